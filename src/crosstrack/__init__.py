@@ -1,0 +1,57 @@
+"""Fly quadrotor missions: plan, smooth, track, avoid, show.
+
+The public names below are imported on first use, so that `import crosstrack` costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from crosstrack.errors import CrosstrackError as CrosstrackError
+    from crosstrack.errors import InputError as InputError
+    from crosstrack.flight.flight import Flight as Flight
+    from crosstrack.flight.plan import Plan as Plan
+    from crosstrack.mission.flying import fly as fly
+    from crosstrack.mission.load import from_document as from_document
+    from crosstrack.mission.load import load as load
+    from crosstrack.mission.load import loads as loads
+    from crosstrack.mission.load import save as save
+    from crosstrack.mission.mission import Mission as Mission
+    from crosstrack.mission.schema import Start as Start
+    from crosstrack.show.pictures import pictures as pictures
+    from crosstrack.show.report import report as report
+    from crosstrack.types import Outcome as Outcome
+
+_PUBLIC = {
+    "CrosstrackError": "errors",
+    "Flight": "flight.flight",
+    "InputError": "errors",
+    "Mission": "mission.mission",
+    "Outcome": "types",
+    "Plan": "flight.plan",
+    "Start": "mission.schema",
+    "fly": "mission.flying",
+    "from_document": "mission.load",
+    "load": "mission.load",
+    "loads": "mission.load",
+    "pictures": "show.pictures",
+    "report": "show.report",
+    "save": "mission.load",
+}
+
+__all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - the names are the table's
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name on first use."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'crosstrack' has no attribute {name!r}")
+    value = getattr(import_module(f"crosstrack.{_PUBLIC[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,158 @@
+"""The flight loop: sense, track, avoid, command, and judge how it ends."""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from crosstrack.errors import LinkLost
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.observer import Observer, Sample, collect
+from crosstrack.flight.plan import Plan
+from crosstrack.protocols import Session
+from crosstrack.types import Array, Command, Outcome, Setpoint, State, unset
+
+PATIENCE = 10.0
+"""s without progress after which a vehicle counts as stuck"""
+CRAWL = 0.05
+"""of the cruise speed: slower progress is none"""
+UPSIDE_DOWN = 0.0
+"""least cosine of the tilt of a vehicle under control"""
+
+
+def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
+    """Fly a plan to its end and return what happened; an interrupt (Ctrl-C) ends the flight, not the program.
+
+    Observers see the plan, every sample as it is flown, and the outcome, also when an error ends the flight.
+    """
+    began = time.perf_counter()
+    for observer in observers:
+        observer.begin(plan)
+    rows: list[Sample] = []
+    outcome = Outcome.INTERRUPTED
+    try:
+        session = plan.vehicle.launch(plan.scenario)
+        try:
+            outcome = steps(plan, session, rows, observers)
+        except LinkLost:
+            outcome = Outcome.LINK_LOST
+        except KeyboardInterrupt:
+            outcome = Outcome.INTERRUPTED
+        finally:
+            session.close()
+    finally:
+        wall_time = time.perf_counter() - began
+        for observer in observers:
+            observer.end(outcome, wall_time)
+    return Flight(plan, outcome, collect(rows), wall_time)
+
+
+def steps(plan: Plan, session: Session, rows: list[Sample], observers: Sequence[Observer]) -> Outcome:
+    """Fly step by step, adding to `rows`, until something ends the flight."""
+    before = session.truth()
+    memory = plan.tracker.start(plan.course, session.sense())
+    memories = [avoider.start(plan.course, session.sense()) for avoider in plan.avoiders]
+    judge = Judge(plan, before.time)
+    command: Command = Setpoint()
+    clearance = plan.scenario.world.swept(before.position, before.position)
+    while True:
+        estimate, truth = session.sense(), session.truth()
+        row = sampled(truth, estimate, command, memory, session.wind(), clearance)
+        rows.append(row)
+        for observer in observers:
+            observer.sample(row)
+        outcome = judge.verdict(before, truth, memory.progress, clearance, session.touched())
+        if outcome is not None:
+            return outcome
+        period = plan.scenario.period
+        command, memory = plan.tracker.step(memory, plan.course, estimate, period)
+        for k, avoider in enumerate(plan.avoiders):
+            command, memories[k] = avoider.step(memories[k], command, estimate, None, period)
+        before = truth
+        session.advance(command, period)
+        clearance = plan.scenario.world.swept(before.position, session.truth().position)
+
+
+def sampled(
+    truth: State, estimate: State, command: Command, memory: Any, wind: Array, clearance: float
+) -> Sample:
+    """Return the row of a record."""
+    motion = isinstance(command, Setpoint)
+    return Sample(
+        time=truth.time,
+        position=truth.position,
+        velocity=truth.velocity,
+        attitude=truth.attitude,
+        rate=truth.rate,
+        rotor_speeds=truth.rotor_speeds,
+        estimate=estimate.position,
+        command_velocity=command.velocity if motion else unset(),
+        command_acceleration=command.acceleration if motion else unset(),
+        aim=memory.aim,
+        progress=memory.progress,
+        wind=wind,
+        clearance=clearance,
+    )
+
+
+@dataclass
+class Judge:
+    """Decides when a flight is over, and why."""
+
+    plan: Plan
+    start: float
+    """s, time of the first sample"""
+    best: float = field(default=0.0, init=False)
+    """m, progress that counts"""
+    since: float = field(init=False)
+    """s, when it was reached"""
+
+    def __post_init__(self) -> None:
+        self.since = self.start
+        self.goal = self.plan.route(self.plan.route.length)
+
+    def verdict(
+        self, before: State, now: State, progress: float, clearance: float, touched: bool
+    ) -> Outcome | None:
+        """Return the outcome once there is one; the worst comes first."""
+        plan = self.plan
+        if not lawful(now):
+            return Outcome.LOST_CONTROL
+        if clearance < plan.vehicle.radius or touched:
+            return Outcome.COLLIDED
+        if plan.vehicle.arrived(before, now, self.goal, plan.course.path.length - progress):
+            return Outcome.ARRIVED
+        bounds = plan.scenario.world.bounds
+        if bounds is not None and not ((bounds[0] <= now.position) & (now.position <= bounds[1])).all():
+            return Outcome.LEFT_BOUNDS
+        if self.stuck(now.time, progress):
+            return Outcome.STUCK
+        if now.time - self.start >= plan.timeout - 1e-9:
+            return Outcome.TIMED_OUT
+        return None
+
+    def stuck(self, time: float, progress: float) -> bool:
+        """Return whether the vehicle has made next to no progress for as long as patience lasts."""
+        if progress - self.best >= CRAWL * self.plan.scenario.cruise * PATIENCE:
+            self.best, self.since = progress, time
+        return time - self.since > PATIENCE
+
+
+def lawful(state: State) -> bool:
+    """Return whether a state is finite and upright."""
+    x, y = state.attitude[0], state.attitude[1]
+    values = (*state.position, *state.velocity, *state.attitude, *state.rate)
+    return all(map(math.isfinite, values)) and bool(1 - 2 * (x * x + y * y) > UPSIDE_DOWN)
+
+
+def warm_up(plan: Plan) -> None:
+    """Compile what a flight needs, so that its first step takes no longer than the others."""
+    session = plan.vehicle.launch(plan.scenario)
+    memory = plan.tracker.start(plan.course, session.sense())
+    command, _ = plan.tracker.step(memory, plan.course, session.sense(), plan.scenario.period)
+    session.advance(command, plan.scenario.period)
+    plan.scenario.world.swept(np.zeros(3), np.ones(3))
+    session.close()

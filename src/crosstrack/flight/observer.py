@@ -1,0 +1,61 @@
+"""Who watches a flight, and what they are shown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Protocol
+
+import numpy as np
+
+from crosstrack.flight.flight import Record
+from crosstrack.flight.plan import Plan
+from crosstrack.types import Array, Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One row of a record. Its arrays are not changed afterwards."""
+
+    time: float
+    """s"""
+    position: Array
+    """(3,) m, true"""
+    velocity: Array
+    """(3,) m/s, true"""
+    attitude: Array
+    """(4,) xyzw, true"""
+    rate: Array
+    """(3,) rad/s, true, body"""
+    rotor_speeds: Array
+    """(rotors,) rad/s; as many on every row"""
+    estimate: Array
+    """(3,) m, position as the tracker saw it"""
+    command_velocity: Array
+    """(3,) m/s; NaN where left to the vehicle"""
+    command_acceleration: Array
+    """(3,) m/s²; NaN where left to the vehicle"""
+    aim: Array
+    """(3,) m, the point chased"""
+    progress: float
+    """m, arc length along the course"""
+    wind: Array
+    """(3,) m/s at the vehicle"""
+    clearance: float
+    """m, least swept distance to an obstacle since the row before; inf without obstacles"""
+
+
+class Observer(Protocol):
+    """Something that watches a flight while it is flown."""
+
+    def begin(self, plan: Plan) -> None:
+        """Take note of the plan, before the first sample."""
+
+    def sample(self, row: Sample) -> None:
+        """Take note of one row, in order of time."""
+
+    def end(self, outcome: Outcome, wall_time: float) -> None:
+        """Take note of how it ended and how long it took the machine (s)."""
+
+
+def collect(rows: Sequence[Sample]) -> Record:
+    """Stack samples into a record; there must be at least one."""
+    return Record(*(np.array([getattr(row, field.name) for row in rows]) for field in fields(Record)))

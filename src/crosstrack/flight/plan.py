@@ -1,0 +1,28 @@
+"""Everything a flight needs, built and checked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from crosstrack.protocols import Avoider, Course, Path, Scenario, Tracker, Vehicle
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A mission made into objects, ready to fly."""
+
+    name: str
+    document: Mapping[str, Any]
+    """the resolved mission as JSON has it: what the log and the report keep"""
+    route: Path
+    """the path as asked for; cross-track errors are measured against it"""
+    course: Course
+    """the path as flown: smooth, with its speed"""
+    vehicle: Vehicle
+    tracker: Tracker[Any]
+    scenario: Scenario
+    timeout: float
+    """s"""
+    avoiders: tuple[Avoider, ...] = ()
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """the files that the document names, by that name: the log keeps them, so that a replay needs nothing else"""

@@ -1,0 +1,99 @@
+"""A speed along a path that honours acceleration limits and slows for corners."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from crosstrack.compiled import compiled
+from crosstrack.types import Array
+
+
+SETTLING = 5.0
+"""1/s, distance to the end into speed, where a vehicle comes to rest"""
+SETTLING_STEPS = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1])
+"""of the settling distance: knots of the speed there"""
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedProfile:
+    """Speed by arc length: constant acceleration from knot to knot, so that v² is linear in s."""
+
+    knots: Array
+    """(n,) m, increasing"""
+    speeds: Array
+    """(n,) m/s at the knots"""
+
+    def __call__(self, s: float | Array, order: int = 0) -> Array:
+        """Evaluate at arc length `s` (...): speed (m/s) or acceleration along the path (m/s²) for order 0, 1."""
+        squares = self.speeds**2
+        if order == 0:
+            return np.sqrt(np.interp(s, self.knots, squares))
+        k = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
+        return np.asarray(self.slopes[k] / 2)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """(n - 1,) d(v²)/ds, m/s²"""
+        return np.diff(self.speeds**2) / np.diff(self.knots)
+
+    @cached_property
+    def duration(self) -> float:
+        """s, time from end to end"""
+        return float(np.sum(2 * np.diff(self.knots) / (self.speeds[1:] + self.speeds[:-1])))
+
+
+def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array) -> SpeedProfile:
+    """Make the fastest speed profile over the pieces of a path (Bobrow, Dubowsky, Gibson 1985, on a piecewise bound).
+
+    It starts from rest and ends at rest; over the last a / SETTLING² metres the speed is at most SETTLING times the
+    distance to the end, so that the vehicle settles there.
+
+    Args:
+        lengths: (n,) m, of the pieces
+        limits: (n,) m/s, upper bound on each piece
+        corners: (n + 1,) m/s, upper bound at the ends of the pieces
+        accelerations: (n,) m/s², along each piece
+    """
+    lengths, limits, bounds, accelerations = settling(lengths, limits, corners, accelerations)
+    bounds[:-1] = np.minimum(bounds[:-1], limits)
+    bounds[1:] = np.minimum(bounds[1:], limits)
+    bounds[0] = bounds[-1] = 0.0
+    reachable(bounds, lengths, accelerations)
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    first, last = bounds[:-1] ** 2, bounds[1:] ** 2
+    peak = np.minimum(limits**2, (first + last) / 2 + accelerations * lengths)
+    rise, fall = (peak - first) / (2 * accelerations), (peak - last) / (2 * accelerations)
+    knots = np.column_stack([starts[:-1], starts[:-1] + rise, starts[1:] - fall]).ravel()
+    speeds = np.column_stack([bounds[:-1], np.sqrt(peak), np.sqrt(peak)]).ravel()
+    knots, speeds = np.append(knots, starts[-1]), np.append(speeds, bounds[-1])
+    keep = np.concatenate([[True], np.diff(knots) > 1e-9])
+    keep[-1] = True
+    if len(keep) > 1 and knots[-1] - knots[np.flatnonzero(keep[:-1])[-1]] <= 1e-9:
+        keep[np.flatnonzero(keep[:-1])[-1]] = False
+    return SpeedProfile(knots[keep], speeds[keep])
+
+
+def settling(
+    lengths: Array, limits: Array, corners: Array, accelerations: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Split the last piece where the speed falls with the distance to the end."""
+    last, acceleration = lengths[-1], accelerations[-1]
+    left = SETTLING_STEPS * min(0.999 * last, acceleration / SETTLING**2)
+    parts = -np.diff(np.concatenate([[last], left, [0.0]]))
+    speeds = SETTLING * left
+    return (
+        np.append(lengths[:-1], parts),
+        np.concatenate([limits, np.minimum(limits[-1], speeds)]),
+        np.concatenate([corners[:-1], speeds, corners[-1:]]),
+        np.append(accelerations[:-1], np.full(len(parts), acceleration)),
+    )
+
+
+@compiled
+def reachable(bounds: Array, lengths: Array, accelerations: Array) -> None:
+    """Lower the speeds at the ends of the pieces, in place, to what the accelerations can reach from either side."""
+    for k in range(lengths.size):
+        bounds[k + 1] = min(bounds[k + 1], np.sqrt(bounds[k] ** 2 + 2 * accelerations[k] * lengths[k]))
+    for k in range(lengths.size - 1, -1, -1):
+        bounds[k] = min(bounds[k], np.sqrt(bounds[k + 1] ** 2 + 2 * accelerations[k] * lengths[k]))

@@ -1,0 +1,179 @@
+"""Curves made of straight lines and circular arcs, by arc length."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from crosstrack.compiled import compiled
+from crosstrack.types import Array
+
+SAME = 1e-9
+"""m, distances that differ by less are equal: the earlier point wins, so that legs flown twice do not mix"""
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """A path of lines and arcs: piece k is o + sin(κu)/κ t + (1 - cos κu)/κ n for u in [0, l], a line where κ = 0."""
+
+    origins: Array
+    """(pieces, 3) m"""
+    tangents: Array
+    """(pieces, 3) unit, at the start of each piece"""
+    normals: Array
+    """(pieces, 3) unit, towards the centre of an arc; zero for a line"""
+    curvatures: Array
+    """(pieces,) 1/m, not negative"""
+    lengths: Array
+    """(pieces,) m, positive"""
+
+    @cached_property
+    def knots(self) -> Array:
+        """(pieces + 1,) m, arc length where each piece starts, and the whole length"""
+        return np.concatenate([[0.0], np.cumsum(self.lengths)])
+
+    @property
+    def length(self) -> float:
+        """m"""
+        return float(self.knots[-1])
+
+    def __call__(self, s: float | Array, order: int = 0) -> Array:
+        """Evaluate at arc length `s` (m, shape (...)): point, unit tangent or curvature vector for order 0, 1, 2."""
+        s = np.asarray(s, float)
+        out = np.empty((s.size, 3))
+        evaluate(s.ravel(), order, self.knots, *self.arrays, out)
+        return out.reshape((*s.shape, 3))
+
+    def project(self, point: Array, near: float, reach: float) -> float:
+        """Return the arc length within [near, near + reach] whose point is closest to `point` (3,); ties go to the first."""
+        return float(closest(point, near, near + reach, self.knots, *self.arrays)[0])
+
+    def trace(self, points: Array, start: float = 0.0) -> tuple[Array, Array]:
+        """Follow a flown track: progress and cross-track error, both (n,) m, for `points` (n, 3) m in their order.
+
+        Progress never goes back. The reach ahead grows with the distance flown since the point before and with the
+        cross-track error, so that corners may be cut but crossings do not jump. The error is the distance to the path
+        within that reach of the progress, ahead and behind.
+        """
+        progress, errors = np.empty(len(points)), np.empty(len(points))
+        walk(points, start, self.knots, *self.arrays, progress, errors)
+        return progress, errors
+
+    @property
+    def arrays(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Return the fields in the order the compiled functions take them."""
+        return self.origins, self.tangents, self.normals, self.curvatures, self.lengths
+
+
+@compiled
+def evaluate(
+    s: Array,
+    order: int,
+    knots: Array,
+    origins: Array,
+    tangents: Array,
+    normals: Array,
+    curvatures: Array,
+    lengths: Array,
+    out: Array,
+) -> None:
+    """Fill `out` (n, 3) with points, tangents or curvature vectors at `s` (n,)."""
+    for i in range(s.size):
+        k = min(max(np.searchsorted(knots, s[i], side="right") - 1, 0), lengths.size - 1)
+        u = min(max(s[i] - knots[k], 0.0), lengths[k])
+        curvature = curvatures[k]
+        sine, cosine = np.sin(curvature * u), np.cos(curvature * u)
+        for j in range(3):
+            t, n = tangents[k, j], normals[k, j]
+            if order == 0:
+                along = sine / curvature if curvature > 0 else u
+                aside = (1 - cosine) / curvature if curvature > 0 else 0.0
+                out[i, j] = origins[k, j] + along * t + aside * n
+            elif order == 1:
+                out[i, j] = cosine * t + sine * n
+            else:
+                out[i, j] = curvature * (cosine * n - sine * t)
+
+
+@compiled
+def foot(px: float, py: float, t: Array, n: Array, curvature: float, low: float, high: float) -> float:
+    """Return the u in [low, high] of a piece closest to the point with coordinates px along t and py along n."""
+    if curvature <= 0:
+        return min(max(px, low), high)
+    u = np.arctan2(px, 1 / curvature - py) / curvature
+    if u < 0 and low > u + np.pi / curvature:
+        u += 2 * np.pi / curvature
+    if low <= u <= high:
+        return u
+    # The distance grows with the angle from the foot, either way round.
+    return low if abs(low - u) <= abs(high - u) else high
+
+
+@compiled
+def closest(
+    point: Array,
+    low: float,
+    high: float,
+    knots: Array,
+    origins: Array,
+    tangents: Array,
+    normals: Array,
+    curvatures: Array,
+    lengths: Array,
+) -> tuple[float, float]:
+    """Return arc length and distance of the point of the path within [low, high] closest to a point (3,)."""
+    low = min(max(low, 0.0), knots[-1])
+    high = min(max(high, low), knots[-1])
+    best_s, best = low, np.inf
+    k = min(max(np.searchsorted(knots, low, side="right") - 1, 0), lengths.size - 1)
+    while k < lengths.size and knots[k] <= high:
+        x, y, z = point[0] - origins[k, 0], point[1] - origins[k, 1], point[2] - origins[k, 2]
+        t, n, curvature = tangents[k], normals[k], curvatures[k]
+        px = x * t[0] + y * t[1] + z * t[2]
+        py = x * n[0] + y * n[1] + z * n[2]
+        u = foot(px, py, t, n, curvature, max(0.0, low - knots[k]), min(lengths[k], high - knots[k]))
+        along = np.sin(curvature * u) / curvature if curvature > 0 else u
+        aside = (1 - np.cos(curvature * u)) / curvature if curvature > 0 else 0.0
+        dx = x - along * t[0] - aside * n[0]
+        dy = y - along * t[1] - aside * n[1]
+        dz = z - along * t[2] - aside * n[2]
+        distance = np.sqrt(dx * dx + dy * dy + dz * dz)
+        if distance < best - SAME:
+            best_s, best = knots[k] + u, distance
+        k += 1
+    return best_s, best
+
+
+@compiled
+def walk(
+    points: Array,
+    start: float,
+    knots: Array,
+    origins: Array,
+    tangents: Array,
+    normals: Array,
+    curvatures: Array,
+    lengths: Array,
+    progress: Array,
+    errors: Array,
+) -> None:
+    """Fill progress and errors (n,) of a track (n, 3), see `Pieces.trace`."""
+    near = start
+    behind, error = closest(points[0], near, near, knots, origins, tangents, normals, curvatures, lengths)
+    for i in range(points.shape[0]):
+        j = max(i - 1, 0)
+        dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
+        reach = reach_of(error, np.sqrt(dx * dx + dy * dy + dz * dz))
+        near, _ = closest(
+            points[i], near, near + reach, knots, origins, tangents, normals, curvatures, lengths
+        )
+        behind, error = closest(
+            points[i], near - reach, near + reach, knots, origins, tangents, normals, curvatures, lengths
+        )
+        progress[i], errors[i] = near, error
+
+
+@compiled
+def reach_of(error: float, moved: float) -> float:
+    """Return how far ahead (m) to look for the closest point after a move (m) at a cross-track error (m)."""
+    return 0.1 + 2 * moved + 3 * error

@@ -1,0 +1,64 @@
+"""The parts a mission can name: (role, name) to class.
+
+Built-ins are the lines below; other packages add theirs as entry points of the group `crosstrack.<role>`.
+A part is a frozen dataclass: its fields are its mission schema, its documentation and its `--set` paths.
+"""
+
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+from crosstrack.errors import InputError, Problem
+
+BUILT_IN: dict[str, dict[str, str]] = {
+    "vehicle": {
+        "quadrotor": "crosstrack.vehicles.quadrotor:Quadrotor",
+        "point": "crosstrack.vehicles.point:Point",
+    },
+    "tracker": {
+        "carrot": "crosstrack.follow.carrot:Carrot",
+    },
+    "avoider": {},
+    "generator": {
+        "forest": "crosstrack.world.generate:Forest",
+        "maze": "crosstrack.world.generate:Maze",
+        "city": "crosstrack.world.generate:City",
+        "gap": "crosstrack.world.generate:Gap",
+        "trap": "crosstrack.world.generate:Trap",
+    },
+}
+
+
+@cache
+def table(role: str) -> dict[str, str]:
+    """Return name to `module:class` of one role, built-ins first."""
+    found = dict(BUILT_IN[role])
+    for point in entry_points(group=f"crosstrack.{role}"):
+        found.setdefault(point.name, point.value)
+    return found
+
+
+def roles() -> list[str]:
+    """Return the roles that have a registry."""
+    return list(BUILT_IN)
+
+
+def names(role: str) -> list[str]:
+    """Return the registered names of a role, in order of registration."""
+    return list(table(role))
+
+
+def find(role: str, name: str) -> type[Any]:
+    """Import and return the class registered under a role and a name.
+
+    Raises:
+        InputError: no such name; the message lists those there are.
+    """
+    target = table(role).get(name)
+    if target is None:
+        known = ", ".join(names(role)) or "none registered"
+        raise InputError(f"{role}", [Problem("kind", f"unknown {role} {name!r}; known: {known}")])
+    module, _, attribute = target.partition(":")
+    part: type[Any] = getattr(import_module(module), attribute)
+    return part

@@ -1,0 +1,197 @@
+"""The cascaded autopilot: position, velocity, attitude, rate, mixer; each loop asks the next one in.
+
+    velocity       v* = v_ff + k_p (p* - p)
+    acceleration   a* = a_ff + k_v (v* - v) + k_i ∫(v* - v) dt + rotor drag at v*, sideways
+    thrust vector  f* = a* + g e_z, height before sideways motion, tilt limited
+    rate           ω* = 2 k_a sin(θ/2) along the tilt error θ, 2 k_ψ sin(ψ/2) along the yaw error ψ
+                   (Brescianini and D'Andrea 2018, reduced and full attitude control)
+    torque         τ* = J k_r (ω* - ω) + ω x J ω
+    rotor thrusts  roll and pitch first, then collective thrust, then yaw
+"""
+
+import math
+
+from crosstrack.compiled import compiled
+from crosstrack.sim.airframe import GRAVITY
+from crosstrack.sim.dynamics import Body
+from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, Fleet
+
+LEAST_LIFT = 0.3
+"""of gravity: the least vertical thrust asked for, so that attitude control keeps its authority"""
+MOST_THRUST = 0.92
+"""of the greatest thrust: the rest is left to roll and pitch"""
+INTEGRAL_MAX = 5.0
+"""m/s², the steady disturbance that the integral can hold off on each axis"""
+
+
+Axis = tuple[float, float, float, float]
+"""Velocity asked for is base - slope * position; then whether velocity is controlled at all, and acceleration."""
+Triple = tuple[float, float, float]
+Quadruple = tuple[float, float, float, float]
+Demand = tuple[Axis, Axis, Axis, Triple, int, Quadruple, float, float, float, float]
+"""Axes, velocity error of the estimate, level, attitude or rate, thrust or yaw rate, half-yaw sine and cosine, yaw."""
+
+
+@compiled
+def axis(target: float, feed: float, acceleration: float, error: float, p: Fleet) -> Axis:
+    """Return what is asked of one axis; one that is given an acceleration alone is flown open loop."""
+    forward = 0.0 if math.isnan(feed) else feed
+    push = 0.0 if math.isnan(acceleration) else acceleration
+    if not math.isnan(target):
+        return forward + p.gain_position * (target - error), p.gain_position, 1.0, push
+    closed = 0.0 if math.isnan(feed) and not math.isnan(acceleration) else 1.0
+    return forward, 0.0, closed, push
+
+
+@compiled
+def demand(p: Fleet) -> Demand:
+    """Return what a command asks for, in the form that the loops use at every step."""
+    c, e = p.command, p.error
+    yaw = p.yaw if math.isnan(c[9]) or p.level != MOTION else c[9]
+    spin = 0.0 if math.isnan(c[10]) else c[10]
+    velocity_error = (e[3], e[4], e[5])
+    if p.level == MOTION:
+        x, y, z = axis(c[0], c[3], c[6], e[0], p), axis(c[1], c[4], c[7], e[1], p), axis(c[2], c[5], c[8], e[2], p)
+        asked = (0.0, 0.0, 0.0, 0.0)
+    else:
+        x = y = z = (0.0, 0.0, 0.0, 0.0)
+        asked = (c[0], c[1], c[2], c[3])
+        spin = c[4]
+    return x, y, z, velocity_error, p.level, asked, spin, math.sin(0.5 * yaw), math.cos(0.5 * yaw), yaw
+
+
+@compiled
+def acceleration_wanted(
+    body: Body, x: Axis, y: Axis, z: Axis, error: Triple, integral: Triple, h: float, p: Fleet
+) -> tuple[Triple, Triple]:
+    """Return the acceleration asked for (m/s², gravity excluded) and the new integral of the velocity error."""
+    vx, vy, vz = x[0] - x[1] * body[0], y[0] - y[1] * body[1], z[0] - z[1] * body[2]
+    square = vx * vx + vy * vy + vz * vz
+    if square > p.speed_max * p.speed_max:
+        scale = p.speed_max / math.sqrt(square)
+        vx, vy, vz = vx * scale, vy * scale, vz * scale
+    ex = x[2] * (vx - body[3] - error[0])
+    ey = y[2] * (vy - body[4] - error[1])
+    ez = z[2] * (vz - body[5] - error[2])
+    gain = p.gain_integral * h
+    ix = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[0] + gain * ex))
+    iy = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[1] + gain * ey))
+    iz = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[2] + gain * ez))
+    k, d = p.gain_velocity, p.drag_feed
+    return (x[3] + k * ex + d * vx + ix, y[3] + k * ey + d * vy + iy, z[3] + k * ez + iz), (ix, iy, iz)
+
+
+@compiled
+def thrust_vector(ax: float, ay: float, az: float, p: Fleet) -> tuple[float, float, float]:
+    """Return the specific force (m/s², world) nearest to an acceleration that tilt and thrust allow, height first."""
+    most = MOST_THRUST * 4 * p.thrust_max / p.mass
+    lift = min(most, max(LEAST_LIFT * GRAVITY, az + GRAVITY))
+    sideways = math.sqrt(ax * ax + ay * ay)
+    room = min(lift * p.tilt_tangent, math.sqrt(max(0.0, most * most - lift * lift)))
+    scale = room / sideways if sideways > room else 1.0
+    return ax * scale, ay * scale, lift
+
+
+@compiled
+def attitude_wanted(fx: float, fy: float, fz: float, sine: float, cosine: float) -> Quadruple:
+    """Return the attitude (xyzw) whose z axis points along a force: a yaw (half-angle given), then the least tilt."""
+    inverse = 1.0 / math.sqrt(fx * fx + fy * fy + fz * fz)
+    w = math.sqrt(0.5 + 0.5 * fz * inverse)
+    half = 0.5 * inverse / w
+    x, y = -fy * half, fx * half
+    return x * cosine + y * sine, y * cosine - x * sine, w * sine, w * cosine
+
+
+@compiled
+def rate_wanted(
+    body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet
+) -> tuple[float, float, float]:
+    """Return the body rate (rad/s) that turns the body to an attitude: tilt by the shortest way, yaw apart."""
+    bx, by, bz, bw = -body[6], -body[7], -body[8], body[9]
+    ex = bw * qx + bx * qw + by * qz - bz * qy
+    ey = bw * qy + by * qw + bz * qx - bx * qz
+    ez = bw * qz + bz * qw + bx * qy - by * qx
+    ew = bw * qw - bx * qx - by * qy - bz * qz
+    # The error is a yaw, then a tilt; the wanted z axis, seen from the body, shows the tilt alone.
+    zx, zy = 2 * (ex * ez + ey * ew), 2 * (ey * ez - ex * ew)
+    half = math.sqrt(max(1e-12, ew * ew + ez * ez))
+    scale = p.gain_attitude / half
+    tilt = scale * math.sqrt(zx * zx + zy * zy)
+    if tilt > p.max_rate:
+        scale *= p.max_rate / tilt
+    turn = 2 * p.gain_yaw * (ez if ew >= 0 else -ez) / half
+    return -zy * scale, zx * scale, min(p.max_rate_yaw, max(-p.max_rate_yaw, turn))
+
+
+@compiled
+def mix(
+    thrust: float, tx: float, ty: float, tz: float, p: Fleet
+) -> tuple[float, float, float, float]:
+    """Return the rotor thrusts (N) for a thrust (N) and torques (N m); what does not fit goes in order of need.
+
+    Roll and pitch are scaled down together only if they alone exceed the range of the rotors, collective thrust is
+    shifted to make room for them, yaw takes what room is left.
+    """
+    low, high, rows = p.thrust_min, p.thrust_max, p.allocation
+    a = rows[0, 1] * tx + rows[0, 2] * ty
+    b = rows[1, 1] * tx + rows[1, 2] * ty
+    c = rows[2, 1] * tx + rows[2, 2] * ty
+    d = rows[3, 1] * tx + rows[3, 2] * ty
+    most, least = max(max(a, b), max(c, d)), min(min(a, b), min(c, d))
+    if most - least > high - low:
+        scale = (high - low) / (most - least)
+        a, b, c, d, most, least = a * scale, b * scale, c * scale, d * scale, most * scale, least * scale
+    collective = min(high - most, max(low - least, 0.25 * thrust))
+    a, b, c, d = a + collective, b + collective, c + collective, d + collective
+    share = 1.0
+    share = min(share, room(a, rows[0, 3] * tz, low, high))
+    share = min(share, room(b, rows[1, 3] * tz, low, high))
+    share = min(share, room(c, rows[2, 3] * tz, low, high))
+    share = min(share, room(d, rows[3, 3] * tz, low, high))
+    tz *= share
+    return a + rows[0, 3] * tz, b + rows[1, 3] * tz, c + rows[2, 3] * tz, d + rows[3, 3] * tz
+
+
+@compiled
+def room(base: float, change: float, low: float, high: float) -> float:
+    """Return the largest share of a change, at most 1, that keeps base + share * change in [low, high]."""
+    if change > 0 and base + change > high:
+        return (high - base) / change
+    if change < 0 and base + change < low:
+        return (low - base) / change
+    return 1.0
+
+
+@compiled
+def pursue(
+    body: Body, asked: Demand, integral: Triple, h: float, p: Fleet
+) -> tuple[Quadruple, Triple]:
+    """Return body rate (rad/s) and collective thrust (m/s²) to ask for, and the new integral: the outer loops."""
+    x, y, z, error, level, given, extra, sine, cosine, _ = asked
+    if level == RATE:
+        return given, integral
+    if level == ATTITUDE:
+        wx, wy, wz = rate_wanted(body, given[0], given[1], given[2], given[3], p)
+        return (wx, wy, wz, extra), integral
+    (ax, ay, az), integral = acceleration_wanted(body, x, y, z, error, integral, h, p)
+    fx, fy, fz = thrust_vector(ax, ay, az, p)
+    qx, qy, qz, qw = attitude_wanted(fx, fy, fz, sine, cosine)
+    wx, wy, wz = rate_wanted(body, qx, qy, qz, qw, p)
+    up_x = 2 * (body[6] * body[8] + body[7] * body[9])
+    up_y = 2 * (body[7] * body[8] - body[6] * body[9])
+    up_z = 1 - 2 * (body[6] * body[6] + body[7] * body[7])
+    return (wx, wy, wz + extra, fx * up_x + fy * up_y + fz * up_z), integral
+
+
+@compiled
+def spin_rotors(body: Body, rate: Quadruple, p: Fleet) -> Quadruple:
+    """Return the rotor speeds (rad/s) that turn the body at a rate and push it with a thrust: rate loop and mixer."""
+    wx, wy, wz, thrust = rate
+    jx, jy, jz = p.inertia[0], p.inertia[1], p.inertia[2]
+    bx, by, bz = body[10], body[11], body[12]
+    tx = jx * p.gain_rate * (wx - bx) + (jz - jy) * by * bz
+    ty = jy * p.gain_rate * (wy - by) + (jx - jz) * bz * bx
+    tz = jz * p.gain_rate_yaw * (wz - bz) + (jy - jx) * bx * by
+    a, b, c, d = mix(p.mass * thrust, tx, ty, tz, p)
+    k = 1.0 / p.thrust
+    return math.sqrt(a * k), math.sqrt(b * k), math.sqrt(c * k), math.sqrt(d * k)

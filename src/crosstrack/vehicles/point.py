@@ -1,0 +1,126 @@
+"""A point that flies at constant speed and turns at once: the kinematic vehicle of the carrot-chasing papers."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosstrack.errors import InputError, Problem
+from crosstrack.protocols import Scenario
+from crosstrack.sim import estimate, turbulence
+from crosstrack.types import Array, Command, Envelope, NonNegative, Positive, Setpoint, State
+
+NEAR = 0.2
+"""m, from the last point: a point that passes it no farther has arrived"""
+
+SKIM = 0.01
+"""m, below the ground, that is still gliding along it"""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A kinematic vehicle of constant airspeed."""
+
+    radius: Positive = 0.2
+    """m, of the sphere that must stay free"""
+    lag: NonNegative = 0.0
+    """s, time constant of the first-order lag of the velocity; 0 for none"""
+    acceleration: Positive | None = None
+    """m/s², the most that its velocity through the air changes; none for no limit"""
+
+    def envelope(self, scenario: Scenario) -> Envelope:
+        """Return what it can do: fly at the mission's speed, always."""
+        most = self.acceleration or math.inf
+        return Envelope(scenario.limits.speed, most, most, self.lag, stops=False)
+
+    def launch(self, scenario: Scenario) -> "PointSession":
+        """Put it at the start, flying at the mission's speed along its yaw."""
+        return PointSession(self, scenario)
+
+    def arrived(self, before: State, now: State, goal: Array, remaining: float) -> bool:
+        """Judge it arrived when it has passed the goal within 0.2 m, with no path left."""
+        flown = now.position - before.position
+        length = float(flown @ flown)
+        u = min(1.0, max(0.0, float((goal - before.position) @ flown) / length)) if length > 0 else 0.0
+        passed = u < 1.0 or remaining <= 0
+        return bool(passed and np.linalg.norm(before.position + u * flown - goal) <= NEAR and remaining <= NEAR)
+
+
+class PointSession:
+    """One flight of a point; the velocity it asks for holds through the air, and the wind adds to it."""
+
+    def __init__(self, vehicle: Point, scenario: Scenario) -> None:
+        self.vehicle, self.speed, self.ground = vehicle, scenario.cruise, scenario.world.ground
+        self.rng = np.random.default_rng(scenario.seed)
+        self.mean = np.array(scenario.wind.mean)
+        self.airspeed = self.speed * np.array([math.cos(scenario.yaw), math.sin(scenario.yaw), 0.0])
+        self.gusts = turbulence.start(scenario.wind, self.rng)
+        self.moving_air = self.mean
+        self.state = self.stated(0.0, scenario.position.copy())
+        self.blow(0.0)
+        self.estimator = estimate.start(scenario.noise, self.state)
+        self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
+
+    def stated(self, time: float, position: Array) -> State:
+        """Return the state at a place: it looks where it flies."""
+        yaw = math.atan2(self.airspeed[1], self.airspeed[0])
+        attitude = np.array([0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)])
+        return State(time, position, self.airspeed + self.moving_air, attitude, np.zeros(3))
+
+    def blow(self, duration: float) -> None:
+        """Set the wind for the next step, after flying through it for a time."""
+        height = self.state.position[2] - self.ground
+        gust, self.gusts = turbulence.step(self.gusts, self.state.velocity, height, duration, self.rng)
+        self.moving_air = self.mean + gust
+
+    def sense(self) -> State:
+        """Return the state as estimated."""
+        return self.estimated
+
+    def truth(self) -> State:
+        """Return the true state."""
+        return self.state
+
+    def wind(self) -> Array:
+        """Return the wind at the vehicle, (3,) m/s."""
+        return self.moving_air
+
+    def touched(self) -> bool:
+        """Return whether it is below the ground; it may glide along it."""
+        return bool(self.state.position[2] < self.ground - SKIM)
+
+    def advance(self, command: Command, duration: float) -> None:
+        """Fly for a time (s) in the direction of the velocity asked for, turned by the acceleration asked for."""
+        if not isinstance(command, Setpoint):
+            raise InputError("vehicle", [Problem("kind", "point flies velocities; this tracker gives attitudes")])
+        acceleration = np.nan_to_num(command.acceleration)
+        asked = np.nan_to_num(command.velocity) + acceleration * duration
+        norm = math.sqrt(asked @ asked)
+        target = asked * (self.speed / norm) if norm > 0 else self.airspeed
+        before, now = self.airspeed, self.turned(target, duration)
+        position = self.state.position + (0.5 * (before + now) if self.slow else now) * duration
+        self.airspeed = now
+        self.state = self.stated(self.state.time + duration, position + self.moving_air * duration)
+        self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
+        self.blow(duration)
+
+    @property
+    def slow(self) -> bool:
+        """Whether the velocity takes time to change."""
+        return self.vehicle.lag > 0 or self.vehicle.acceleration is not None
+
+    def turned(self, target: Array, duration: float) -> Array:
+        """Return the velocity through the air a time later: lagged, limited, and of constant speed."""
+        vehicle = self.vehicle
+        change = target - self.airspeed
+        if vehicle.lag > 0:
+            change = change * (1 - math.exp(-duration / vehicle.lag))
+        size = math.sqrt(change @ change)
+        if vehicle.acceleration is not None and size > vehicle.acceleration * duration:
+            change = change * (vehicle.acceleration * duration / size)
+        velocity = self.airspeed + change
+        norm = math.sqrt(velocity @ velocity)
+        return velocity * (self.speed / norm) if norm > 1e-9 * self.speed else target
+
+    def close(self) -> None:
+        """Nothing is left to make safe."""

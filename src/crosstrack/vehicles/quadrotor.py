@@ -1,0 +1,135 @@
+"""The embedded quadrotor: rotor-level physics under a cascaded autopilot."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from crosstrack.protocols import Scenario
+from crosstrack.sim import estimate, turbulence
+from crosstrack.sim.airframe import AIRFRAMES, GRAVITY, Airframe
+from crosstrack.sim.autopilot import LEAST_LIFT, MOST_THRUST
+from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, fleet, place
+from crosstrack.sim.kernel import STEP, fly
+from crosstrack.types import Array, AttitudeSetpoint, Command, Envelope, Positive, Setpoint, State
+
+HARD_LANDING = 1.5
+"""m/s, sinking speed at touchdown from which the ground is hit, not landed on"""
+
+
+@dataclass(frozen=True)
+class Quadrotor:
+    """A quadrotor of the embedded simulator."""
+
+    airframe: Literal["generic", "crazyflie", "racer"] = "generic"
+    """which airframe"""
+    radius: Positive = 0.2
+    """m, of the sphere that must stay free"""
+
+    def envelope(self, scenario: Scenario) -> Envelope:
+        """Return what its thrust and the tilt limit allow while it holds its height, and up and down."""
+        airframe = AIRFRAMES[self.airframe]
+        lift = MOST_THRUST * airframe.thrust_to_weight * scenario.air.density / 1.225
+        sideways = min(math.tan(math.radians(scenario.limits.tilt_deg)), math.sqrt(max(0.0, lift**2 - 1)))
+        vertical = min(lift - 1, 1 - LEAST_LIFT)
+        response = 1 / airframe.gains.attitude + 1 / airframe.gains.rate + airframe.motor_time
+        most = scenario.limits.acceleration
+        return Envelope(
+            speed=scenario.limits.speed,
+            acceleration=min(most, GRAVITY * sideways),
+            acceleration_vertical=min(most, GRAVITY * vertical),
+            response_time=response,
+        )
+
+    def launch(self, scenario: Scenario) -> "QuadrotorSession":
+        """Put it at rest at the start: hovering in the air, or with rotors at idle on the ground."""
+        return QuadrotorSession(AIRFRAMES[self.airframe], scenario)
+
+    def arrived(self, before: State, now: State, goal: Array, remaining: float) -> bool:
+        """Judge it arrived within 0.2 m of the goal at less than 0.3 m/s, with no path left."""
+        near = np.linalg.norm(now.position - goal) <= 0.2
+        return bool(near and np.linalg.norm(now.velocity) < 0.3 and remaining <= 0.2)
+
+
+class QuadrotorSession:
+    """One flight of a quadrotor in the embedded simulator; its clock is the number of steps flown."""
+
+    def __init__(self, airframe: Airframe, scenario: Scenario) -> None:
+        self.rng = np.random.default_rng(scenario.seed)
+        self.mean = np.array(scenario.wind.mean)
+        self.rows = fleet(airframe, scenario.air, scenario.limits, scenario.world.ground)
+        position = scenario.position.copy()
+        resting = scenario.world.ground + airframe.gear
+        on_ground = position[2] <= resting + 0.01
+        position[2] = max(position[2], resting)
+        place(self.rows, position, scenario.yaw, spinning=not on_ground)
+        self.ground = scenario.world.ground
+        self.time = 0.0
+        self.acceleration = np.zeros(3)
+        self.state = self.read()
+        self.estimator = estimate.start(scenario.noise, self.state)
+        self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
+        self.gusts = turbulence.start(scenario.wind, self.rng)
+        self.blow(0.0)
+
+    def read(self) -> State:
+        """Return the true state of the row."""
+        row = self.rows["state"][0].copy()
+        return State(self.time, row[:3], row[3:6], row[6:10], row[10:13], self.acceleration, row[13:])
+
+    def blow(self, duration: float) -> None:
+        """Set the wind for the next steps, after flying through it for a time."""
+        height = self.state.position[2] - self.ground
+        gust, self.gusts = turbulence.step(self.gusts, self.state.velocity, height, duration, self.rng)
+        self.rows["wind"][0] = self.mean + gust
+
+    def sense(self) -> State:
+        """Return the state as estimated."""
+        return self.estimated
+
+    def truth(self) -> State:
+        """Return the true state."""
+        return self.state
+
+    def wind(self) -> Array:
+        """Return the wind at the vehicle, (3,) m/s."""
+        return np.array(self.rows["wind"][0])
+
+    def touched(self) -> bool:
+        """Return whether it hit the ground harder than a landing."""
+        return bool(self.rows["impact"][0] > HARD_LANDING)
+
+    def advance(self, command: Command, duration: float) -> None:
+        """Fly a command for a time (s), in equal steps of at most STEP."""
+        self.tell(command)
+        steps = math.ceil(duration / STEP - 1e-9)
+        before = self.state
+        fly(self.rows, duration / steps, steps)
+        self.time += duration
+        velocity = self.rows["state"][0, 3:6]
+        self.acceleration = (velocity - before.velocity) / duration
+        self.state = self.read()
+        self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
+        if self.estimated is not self.state:
+            error = self.rows["error"][0]
+            error[:3] = self.estimated.position - self.state.position
+            error[3:] = self.estimated.velocity - self.state.velocity
+        self.blow(duration)
+
+    def tell(self, command: Command) -> None:
+        """Write a command into the row."""
+        row = self.rows["command"][0]
+        if isinstance(command, Setpoint):
+            self.rows["level"] = MOTION
+            row[:3], row[3:6], row[6:9] = command.position, command.velocity, command.acceleration
+            row[9], row[10] = command.yaw, command.yaw_rate
+        elif isinstance(command, AttitudeSetpoint):
+            self.rows["level"] = ATTITUDE
+            row[:4], row[4] = command.attitude, command.thrust
+        else:
+            self.rows["level"] = RATE
+            row[:3], row[3] = command.rate, command.thrust
+
+    def close(self) -> None:
+        """Nothing is left to make safe."""
