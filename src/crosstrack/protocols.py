@@ -69,6 +69,8 @@ class Course:
     path: Path
     speed: Speed
     envelope: Envelope
+    entry: float = 0.0
+    """m, arc length where the flight begins"""
 
 
 class Memory(Protocol):

@@ -63,12 +63,10 @@ class Carrot:
     """1, shortest time to the carrot over the vehicle's response time"""
 
     def start(self, course: Course, state: State) -> CarrotMemory:
-        """Begin at the point of the course closest to the vehicle."""
-        progress = course.path.project(state.position, 0.0, course.path.length)
-        if np.linalg.norm(course.path(0.0) - state.position) < 1e-3:
-            progress = 0.0
-        error = float(np.linalg.norm(course.path(progress) - state.position))
-        return CarrotMemory(progress, course.path(progress), np.zeros(3), error, state.velocity)
+        """Begin at the entry of the course."""
+        foot = course.path(course.entry)
+        error = float(np.linalg.norm(foot - state.position))
+        return CarrotMemory(course.entry, foot, np.zeros(3), error, state.velocity)
 
     def step(
         self, memory: CarrotMemory, course: Course, state: State, duration: float

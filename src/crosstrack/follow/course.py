@@ -17,7 +17,9 @@ RESERVE = 0.9
 """of the vehicle's acceleration, planned with; the rest is left to the tracker"""
 
 
-def plan_course(route: Polyline, tolerance: float, cruise: float, envelope: Envelope) -> Course:
+def plan_course(
+    route: Polyline, tolerance: float, cruise: float, envelope: Envelope, start: Array | None = None
+) -> Course:
     """Round the corners of a route and give it a speed that the vehicle can hold within the tolerance.
 
     On an arc of radius r the speed is at most sqrt(a r), where a is the part of the vehicle's acceleration that is
@@ -28,20 +30,22 @@ def plan_course(route: Polyline, tolerance: float, cruise: float, envelope: Enve
         tolerance: m, cross-track error to plan for
         cruise: m/s
         envelope: what the vehicle can do
+        start: (3,) m, where a vehicle that is not at the beginning of the route joins it, at the closest point
     """
     speed = min(cruise, envelope.speed)
     if math.isinf(envelope.acceleration):
         path: Pieces = route
     else:
         path = rounded(route.points, CORNER * tolerance, speed**2 / (RESERVE * envelope.acceleration))
+    entry = 0.0 if start is None else path.project(start, 0.0, path.length)
     if not envelope.stops:
         constant = SpeedProfile(np.array([0.0, path.length]), np.array([speed, speed]))
-        return Course(path, constant, envelope)
+        return Course(path, constant, envelope, entry)
     accelerations = RESERVE * possible(path, envelope)
     with np.errstate(divide="ignore"):
         limits = np.minimum(speed, np.sqrt(accelerations / path.curvatures))
     corners = cusp_speeds(path, accelerations, CORNER * tolerance)
-    return Course(path, profile(path.lengths, limits, corners, accelerations), envelope)
+    return Course(path, profile(path.lengths, limits, corners, accelerations), envelope, entry)
 
 
 def possible(path: Pieces, envelope: Envelope) -> Array:

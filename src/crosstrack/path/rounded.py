@@ -74,7 +74,10 @@ def assemble(
 
 @compiled
 def simplified(corners: Array, tolerance: float) -> Array:
-    """Return which corners (n,) to keep so that none is farther than `tolerance` from the legs between the kept."""
+    """Return which corners (n,) to keep so that none is farther than `tolerance` from the legs between the kept.
+
+    Going back along a leg counts as distance too, so that legs flown to and fro are kept.
+    """
     count = corners.shape[0]
     keep = np.zeros(count, np.bool_)
     keep[0] = keep[-1] = True
@@ -85,12 +88,18 @@ def simplified(corners: Array, tolerance: float) -> Array:
         bx, by, bz = corners[last, 0] - ax, corners[last, 1] - ay, corners[last, 2] - az
         square = bx * bx + by * by + bz * bz
         worst, split = tolerance, -1
+        furthest, turning = 0.0, first
         for i in range(first + 1, last):
             x, y, z = corners[i, 0] - ax, corners[i, 1] - ay, corners[i, 2] - az
             u = min(max((x * bx + y * by + z * bz) / square, 0.0), 1.0) if square > 0 else 0.0
             distance = np.sqrt((x - u * bx) ** 2 + (y - u * by) ** 2 + (z - u * bz) ** 2)
             if distance > worst:
                 worst, split = distance, i
+            along = (x * bx + y * by + z * bz) / np.sqrt(square) if square > 0 else 0.0
+            if along > furthest:
+                furthest, turning = along, i
+            elif furthest - along > worst:
+                worst, split = furthest - along, turning
         if split >= 0:
             keep[split] = True
             stack.append((first, split))

@@ -34,6 +34,7 @@ class Quadrotor:
         sideways = min(math.tan(math.radians(scenario.limits.tilt_deg)), math.sqrt(max(0.0, lift**2 - 1)))
         vertical = min(lift - 1, 1 - LEAST_LIFT)
         response = 1 / airframe.gains.attitude + 1 / airframe.gains.rate + airframe.motor_time
+        response += scenario.noise.delay
         most = scenario.limits.acceleration
         return Envelope(
             speed=scenario.limits.speed,
