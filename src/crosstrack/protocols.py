@@ -11,7 +11,7 @@ class Path(Protocol):
 
     @property
     def length(self) -> float:
-        """m"""
+        """M"""
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (m, shape (...)): point, unit tangent or curvature vector for order 0, 1, 2.
@@ -175,4 +175,3 @@ class Vehicle(Protocol):
 
     def arrived(self, before: State, now: State, goal: Array, remaining: float) -> bool:
         """Judge arrival at the last point (3,) m from two states in a row and the path that remains (m)."""
-

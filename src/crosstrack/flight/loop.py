@@ -13,7 +13,7 @@ from crosstrack.flight.flight import Flight
 from crosstrack.flight.observer import Observer, Sample, collect
 from crosstrack.flight.plan import Plan
 from crosstrack.protocols import Session
-from crosstrack.types import Array, Command, Outcome, Setpoint, State, unset
+from crosstrack.types import Array, Command, Outcome, Setpoint, State
 
 PATIENCE = 10.0
 """s without progress after which a vehicle counts as stuck"""
@@ -76,11 +76,9 @@ def steps(plan: Plan, session: Session, rows: list[Sample], observers: Sequence[
         clearance = plan.scenario.world.swept(before.position, session.truth().position)
 
 
-def sampled(
-    truth: State, estimate: State, command: Command, memory: Any, wind: Array, clearance: float
-) -> Sample:
+def sampled(truth: State, estimate: State, command: Command, memory: Any, wind: Array, clearance: float) -> Sample:
     """Return the row of a record."""
-    motion = isinstance(command, Setpoint)
+    motion = command if isinstance(command, Setpoint) else Setpoint()
     return Sample(
         time=truth.time,
         position=truth.position,
@@ -89,8 +87,8 @@ def sampled(
         rate=truth.rate,
         rotor_speeds=truth.rotor_speeds,
         estimate=estimate.position,
-        command_velocity=command.velocity if motion else unset(),
-        command_acceleration=command.acceleration if motion else unset(),
+        command_velocity=motion.velocity,
+        command_acceleration=motion.acceleration,
         aim=memory.aim,
         progress=memory.progress,
         wind=wind,
@@ -114,9 +112,7 @@ class Judge:
         self.since = self.start
         self.goal = self.plan.route(self.plan.route.length)
 
-    def verdict(
-        self, before: State, now: State, progress: float, clearance: float, touched: bool
-    ) -> Outcome | None:
+    def verdict(self, before: State, now: State, progress: float, clearance: float, touched: bool) -> Outcome | None:
         """Return the outcome once there is one; the worst comes first."""
         plan = self.plan
         if not lawful(now):

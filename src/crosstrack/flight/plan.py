@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from crosstrack.protocols import Avoider, Course, Path, Scenario, Tracker, Vehicle
+from crosstrack.path.polyline import Polyline
+from crosstrack.protocols import Avoider, Course, Scenario, Tracker, Vehicle
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Plan:
     name: str
     document: Mapping[str, Any]
     """the resolved mission as JSON has it: what the log and the report keep"""
-    route: Path
+    route: Polyline
     """the path as asked for; cross-track errors are measured against it"""
     course: Course
     """the path as flown: smooth, with its speed"""

@@ -48,6 +48,8 @@ class Carrot:
 
         d(drift)/dt = g (V d - velocity) across t.
 
+    The acceleration is at most what the vehicle has, in whatever direction.
+
     Sources: Sujit, Saripalli, Sousa 2014 (IEEE Control Systems 34(1), algorithm 1); Bhadani 2020 (arXiv 2012.13227).
     """
 
@@ -82,28 +84,25 @@ class Carrot:
         lookahead = max(self.lookahead, self.reaction * envelope.response_time * speed)
         carrot = beyond(course, s + lookahead)
         asked = direction(tangent + direction(carrot - state.position) - direction(carrot - foot))
-        if path.length - s < LAST_STRETCH:
+        last = on_last_stretch(course, s, foot)
+        if last:
             carrot = path(path.length)
             asked = direction(carrot - state.position)
         drift = self.drifted(memory, state.velocity, tangent, speed, duration)
         memory = CarrotMemory(s, carrot, drift, error, speed * asked)
-        if envelope.stops and path.length - s < LAST_STRETCH:
+        if last and envelope.stops:
             return Setpoint(position=carrot), memory
         across = drift - (drift @ tangent) * tangent
-        push = ahead(course, s, speed) + self.heading_gain * speed * turn(state.velocity, asked)
+        push = ahead(course, s, state.velocity) + self.heading_gain * speed * turn(state.velocity, asked)
         push = push + self.cross_track_gain * offset
-        return Setpoint(velocity=speed * asked + across, acceleration=push), memory
+        return Setpoint(velocity=speed * asked + across, acceleration=limited(push, envelope.acceleration)), memory
 
-    def drifted(
-        self, memory: CarrotMemory, velocity: Array, tangent: Array, speed: float, duration: float
-    ) -> Array:
+    def drifted(self, memory: CarrotMemory, velocity: Array, tangent: Array, speed: float, duration: float) -> Array:
         """Return the drift (3,) m/s after integrating how far the velocity flown misses the one asked for."""
         miss = memory.course - velocity
         miss = miss - (miss @ tangent) * tangent
         drift = memory.drift + min(1.0, self.drift_gain * duration) * miss
-        norm = math.sqrt(drift @ drift)
-        return drift * (DRIFT_MAX * speed / norm) if norm > DRIFT_MAX * speed else drift
-
+        return limited(drift, DRIFT_MAX * speed)
 
 
 def direction(vector: Array) -> Array:
@@ -112,14 +111,27 @@ def direction(vector: Array) -> Array:
     return vector / norm if norm > 1e-9 else np.zeros(3)
 
 
-def ahead(course: Course, s: float, speed: float) -> Array:
+def on_last_stretch(course: Course, s: float, foot: Array) -> bool:
+    """Return whether the way from a point of the path to its end is short and straight."""
+    remaining = course.path.length - s
+    straight = float(np.linalg.norm(course.path(course.path.length) - foot))
+    return remaining < LAST_STRETCH and straight >= 0.9 * remaining
+
+
+def ahead(course: Course, s: float, velocity: Array) -> Array:
     """Return the mean acceleration (3,) m/s² along the course over the vehicle's response time from arc length `s`."""
     response = course.envelope.response_time
     if response <= 0:
         return np.zeros(3)
-    gain = max(0.0, float(course.speed(s, 1)))
-    lead = s + (speed + 0.5 * gain * response) * response
-    return (course.speed(lead) * course.path(lead, 1) - speed * course.path(s, 1)) / response
+    tangent, gain = course.path(s, 1), max(0.0, float(course.speed(s, 1)))
+    lead = s + (max(0.0, float(velocity @ tangent)) + 0.5 * gain * response) * response
+    return (course.speed(lead) * course.path(lead, 1) - course.speed(s) * tangent) / response
+
+
+def limited(vector: Array, most: float) -> Array:
+    """Return the vector, shortened to the length `most` where it is longer."""
+    norm = math.sqrt(vector @ vector)
+    return vector * (most / norm) if norm > most else vector
 
 
 def beyond(course: Course, s: float) -> Array:
@@ -134,6 +146,8 @@ def turn(velocity: Array, asked: Array) -> Array:
     Opposite courses turn left in the horizontal plane; a vehicle at rest has no course and turns nowhere.
     """
     flown = direction(velocity)
+    if not flown.any():
+        return flown
     across = asked - (asked @ flown) * flown
     sine = math.sqrt(across @ across)
     if sine > 1e-9:

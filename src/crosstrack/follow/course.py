@@ -13,6 +13,10 @@ from crosstrack.types import Array, Envelope
 
 CORNER = 1.0
 """of the tolerance, given to rounding the corners; the rest is left to the tracker"""
+CUSP = 0.5
+"""of the tolerance, given to braking at a turn on the spot"""
+SWING = 3.0
+"""response times that the vehicle needs from full acceleration to full braking"""
 RESERVE = 0.9
 """of the vehicle's acceleration, planned with; the rest is left to the tracker"""
 
@@ -44,8 +48,8 @@ def plan_course(
     accelerations = RESERVE * possible(path, envelope)
     with np.errstate(divide="ignore"):
         limits = np.minimum(speed, np.sqrt(accelerations / path.curvatures))
-    corners = cusp_speeds(path, accelerations, CORNER * tolerance)
-    return Course(path, profile(path.lengths, limits, corners, accelerations), envelope, entry)
+    corners = cusp_speeds(path, accelerations, CUSP * tolerance)
+    return Course(path, profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time), envelope, entry)
 
 
 def possible(path: Pieces, envelope: Envelope) -> Array:

@@ -8,7 +8,6 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 
-
 SETTLING = 5.0
 """1/s, distance to the end into speed, where a vehicle comes to rest"""
 SETTLING_STEPS = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1])
@@ -43,7 +42,9 @@ class SpeedProfile:
         return float(np.sum(2 * np.diff(self.knots) / (self.speeds[1:] + self.speeds[:-1])))
 
 
-def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array) -> SpeedProfile:
+def profile(
+    lengths: Array, limits: Array, corners: Array, accelerations: Array, swing: float = 0.0
+) -> SpeedProfile:
     """Make the fastest speed profile over the pieces of a path (Bobrow, Dubowsky, Gibson 1985, on a piecewise bound).
 
     It starts from rest and ends at rest; over the last a / SETTLING² metres the speed is at most SETTLING times the
@@ -54,6 +55,7 @@ def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array)
         limits: (n,) m/s, upper bound on each piece
         corners: (n + 1,) m/s, upper bound at the ends of the pieces
         accelerations: (n,) m/s², along each piece
+        swing: s, from full acceleration to full braking; on a piece that has both, the top speed lasts as long
     """
     lengths, limits, bounds, accelerations = settling(lengths, limits, corners, accelerations)
     bounds[:-1] = np.minimum(bounds[:-1], limits)
@@ -62,7 +64,10 @@ def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array)
     reachable(bounds, lengths, accelerations)
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
     first, last = bounds[:-1] ** 2, bounds[1:] ** 2
-    peak = np.minimum(limits**2, (first + last) / 2 + accelerations * lengths)
+    # The top speed v of a short piece solves v²/a + v swing = l + (v₀² + v₁²) / 2a.
+    reach = lengths + (first + last) / (2 * accelerations)
+    top = accelerations / 2 * (np.sqrt(swing**2 + 4 * reach / accelerations) - swing)
+    peak = np.minimum(limits**2, np.maximum(top**2, np.maximum(first, last)))
     rise, fall = (peak - first) / (2 * accelerations), (peak - last) / (2 * accelerations)
     knots = np.column_stack([starts[:-1], starts[:-1] + rise, starts[1:] - fall]).ravel()
     speeds = np.column_stack([bounds[:-1], np.sqrt(peak), np.sqrt(peak)]).ravel()
@@ -74,9 +79,7 @@ def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array)
     return SpeedProfile(knots[keep], speeds[keep])
 
 
-def settling(
-    lengths: Array, limits: Array, corners: Array, accelerations: Array
-) -> tuple[Array, Array, Array, Array]:
+def settling(lengths: Array, limits: Array, corners: Array, accelerations: Array) -> tuple[Array, Array, Array, Array]:
     """Split the last piece where the speed falls with the distance to the end."""
     last, acceleration = lengths[-1], accelerations[-1]
     left = SETTLING_STEPS * min(0.999 * last, acceleration / SETTLING**2)

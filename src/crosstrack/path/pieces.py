@@ -1,5 +1,6 @@
 """Curves made of straight lines and circular arcs, by arc length."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,7 +35,7 @@ class Pieces:
 
     @property
     def length(self) -> float:
-        """m"""
+        """M"""
         return float(self.knots[-1])
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
@@ -45,7 +46,7 @@ class Pieces:
         return out.reshape((*s.shape, 3))
 
     def project(self, point: Array, near: float, reach: float) -> float:
-        """Return the arc length within [near, near + reach] whose point is closest to `point` (3,); ties go to the first."""
+        """Return the arc length in [near, near + reach] whose point is closest to `point` (3,), the first of equals."""
         return float(closest(point, near, near + reach, self.knots, *self.arrays)[0])
 
     def trace(self, points: Array, start: float = 0.0) -> tuple[Array, Array]:
@@ -66,6 +67,12 @@ class Pieces:
 
 
 @compiled
+def piece_at(s: float, knots: Array) -> int:
+    """Return which piece holds the arc length `s` (m); the first and the last reach beyond the ends."""
+    return min(max(int(np.searchsorted(knots, s, side="right")) - 1, 0), knots.size - 2)
+
+
+@compiled
 def evaluate(
     s: Array,
     order: int,
@@ -79,7 +86,7 @@ def evaluate(
 ) -> None:
     """Fill `out` (n, 3) with points, tangents or curvature vectors at `s` (n,)."""
     for i in range(s.size):
-        k = min(max(np.searchsorted(knots, s[i], side="right") - 1, 0), lengths.size - 1)
+        k = piece_at(s[i], knots)
         u = min(max(s[i] - knots[k], 0.0), lengths[k])
         curvature = curvatures[k]
         sine, cosine = np.sin(curvature * u), np.cos(curvature * u)
@@ -96,17 +103,14 @@ def evaluate(
 
 
 @compiled
-def foot(px: float, py: float, t: Array, n: Array, curvature: float, low: float, high: float) -> float:
+def foot(px: float, py: float, curvature: float, low: float, high: float) -> float:
     """Return the u in [low, high] of a piece closest to the point with coordinates px along t and py along n."""
     if curvature <= 0:
         return min(max(px, low), high)
-    u = np.arctan2(px, 1 / curvature - py) / curvature
-    if u < 0 and low > u + np.pi / curvature:
-        u += 2 * np.pi / curvature
-    if low <= u <= high:
-        return u
-    # The distance grows with the angle from the foot, either way round.
-    return low if abs(low - u) <= abs(high - u) else high
+    angle, middle = math.atan2(px, 1 / curvature - py), 0.5 * (low + high) * curvature
+    if angle < middle - math.pi:
+        angle += 2 * math.pi
+    return min(max(angle / curvature, low), high)
 
 
 @compiled
@@ -125,13 +129,13 @@ def closest(
     low = min(max(low, 0.0), knots[-1])
     high = min(max(high, low), knots[-1])
     best_s, best = low, np.inf
-    k = min(max(np.searchsorted(knots, low, side="right") - 1, 0), lengths.size - 1)
+    k = piece_at(low, knots)
     while k < lengths.size and knots[k] <= high:
         x, y, z = point[0] - origins[k, 0], point[1] - origins[k, 1], point[2] - origins[k, 2]
         t, n, curvature = tangents[k], normals[k], curvatures[k]
         px = x * t[0] + y * t[1] + z * t[2]
         py = x * n[0] + y * n[1] + z * n[2]
-        u = foot(px, py, t, n, curvature, max(0.0, low - knots[k]), min(lengths[k], high - knots[k]))
+        u = foot(px, py, curvature, max(0.0, low - knots[k]), min(lengths[k], high - knots[k]))
         along = np.sin(curvature * u) / curvature if curvature > 0 else u
         aside = (1 - np.cos(curvature * u)) / curvature if curvature > 0 else 0.0
         dx = x - along * t[0] - aside * n[0]
@@ -159,15 +163,13 @@ def walk(
 ) -> None:
     """Fill progress and errors (n,) of a track (n, 3), see `Pieces.trace`."""
     near = start
-    behind, error = closest(points[0], near, near, knots, origins, tangents, normals, curvatures, lengths)
+    _, error = closest(points[0], near, near, knots, origins, tangents, normals, curvatures, lengths)
     for i in range(points.shape[0]):
         j = max(i - 1, 0)
         dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
         reach = reach_of(error, np.sqrt(dx * dx + dy * dy + dz * dz))
-        near, _ = closest(
-            points[i], near, near + reach, knots, origins, tangents, normals, curvatures, lengths
-        )
-        behind, error = closest(
+        near, _ = closest(points[i], near, near + reach, knots, origins, tangents, normals, curvatures, lengths)
+        _, error = closest(
             points[i], near - reach, near + reach, knots, origins, tangents, normals, curvatures, lengths
         )
         progress[i], errors[i] = near, error

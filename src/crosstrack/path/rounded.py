@@ -1,6 +1,7 @@
 """Corners rounded by circular arcs within a tolerance."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
 from crosstrack.path.pieces import Pieces
@@ -49,9 +50,7 @@ def share(lengths: Array) -> tuple[Array, Array]:
     return at_start, at_end
 
 
-def assemble(
-    corners: Array, directions: Array, lengths: Array, turn: Array, radii: Array, cut: Array
-) -> Pieces:
+def assemble(corners: Array, directions: Array, lengths: Array, turn: Array, radii: Array, cut: Array) -> Pieces:
     """Lay lines and arcs end to end; `cut` (m) is how much of its legs each inner corner uses."""
     rows: list[tuple[Array, Array, Array, float, float]] = []
     zero = np.zeros(3)
@@ -67,13 +66,11 @@ def assemble(
             origin = corners[k + 1] - cut[k] * direction
             rows.append((origin, direction, normal, 1 / radii[k], radii[k] * turn[k]))
     origins, tangents, normals, curvatures, arcs = zip(*rows, strict=True)
-    return Pieces(
-        np.array(origins), np.array(tangents), np.array(normals), np.array(curvatures), np.array(arcs)
-    )
+    return Pieces(np.array(origins), np.array(tangents), np.array(normals), np.array(curvatures), np.array(arcs))
 
 
 @compiled
-def simplified(corners: Array, tolerance: float) -> Array:
+def simplified(corners: Array, tolerance: float) -> NDArray[np.bool_]:
     """Return which corners (n,) to keep so that none is farther than `tolerance` from the legs between the kept.
 
     Going back along a leg counts as distance too, so that legs flown to and fro are kept.

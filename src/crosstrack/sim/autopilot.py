@@ -1,12 +1,12 @@
 """The cascaded autopilot: position, velocity, attitude, rate, mixer; each loop asks the next one in.
 
-    velocity       v* = v_ff + k_p (p* - p)
-    acceleration   a* = a_ff + k_v (v* - v) + k_i ∫(v* - v) dt + rotor drag at v*, sideways
-    thrust vector  f* = a* + g e_z, height before sideways motion, tilt limited
-    rate           ω* = 2 k_a sin(θ/2) along the tilt error θ, 2 k_ψ sin(ψ/2) along the yaw error ψ
-                   (Brescianini and D'Andrea 2018, reduced and full attitude control)
-    torque         τ* = J k_r (ω* - ω) + ω x J ω
-    rotor thrusts  roll and pitch first, then collective thrust, then yaw
+velocity       v* = v_ff + k_p (p* - p)
+acceleration   a* = a_ff + k_v (v* - v) + k_i ∫(v* - v) dt + drag at v in still air
+thrust vector  f* = a* + g e_z, height before sideways motion, tilt limited
+rate           ω* = 2 k_a sin(θ/2) along the tilt error θ, 2 k_ψ sin(ψ/2) along the yaw error ψ
+(Brescianini and D'Andrea 2018, reduced and full attitude control)
+torque         τ* = J k_r (ω* - ω) + ω x J ω
+rotor thrusts  roll and pitch first, then collective thrust, then yaw
 """
 
 import math
@@ -51,7 +51,11 @@ def demand(p: Fleet) -> Demand:
     spin = 0.0 if math.isnan(c[10]) else c[10]
     velocity_error = (e[3], e[4], e[5])
     if p.level == MOTION:
-        x, y, z = axis(c[0], c[3], c[6], e[0], p), axis(c[1], c[4], c[7], e[1], p), axis(c[2], c[5], c[8], e[2], p)
+        x, y, z = (
+            axis(c[0], c[3], c[6], e[0], p),
+            axis(c[1], c[4], c[7], e[1], p),
+            axis(c[2], c[5], c[8], e[2], p),
+        )
         asked = (0.0, 0.0, 0.0, 0.0)
     else:
         x = y = z = (0.0, 0.0, 0.0, 0.0)
@@ -77,8 +81,13 @@ def acceleration_wanted(
     ix = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[0] + gain * ex))
     iy = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[1] + gain * ey))
     iz = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[2] + gain * ez))
-    k, d = p.gain_velocity, p.drag_feed
-    return (x[3] + k * ex + d * vx + ix, y[3] + k * ey + d * vy + iy, z[3] + k * ez + iz), (ix, iy, iz)
+    ux, uy, uz = body[3] + error[0], body[4] + error[1], body[5] + error[2]
+    k, drag = p.gain_velocity, p.drag_feed
+    sideways = drag[0] + drag[1] * math.sqrt(ux * ux + uy * uy)
+    ax = x[3] + k * ex + sideways * ux + ix
+    ay = y[3] + k * ey + sideways * uy + iy
+    az = z[3] + k * ez + drag[2] * abs(uz) * uz + iz
+    return (ax, ay, az), (ix, iy, iz)
 
 
 @compiled
@@ -103,9 +112,7 @@ def attitude_wanted(fx: float, fy: float, fz: float, sine: float, cosine: float)
 
 
 @compiled
-def rate_wanted(
-    body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet
-) -> tuple[float, float, float]:
+def rate_wanted(body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet) -> tuple[float, float, float]:
     """Return the body rate (rad/s) that turns the body to an attitude: tilt by the shortest way, yaw apart."""
     bx, by, bz, bw = -body[6], -body[7], -body[8], body[9]
     ex = bw * qx + bx * qw + by * qz - bz * qy
@@ -124,9 +131,7 @@ def rate_wanted(
 
 
 @compiled
-def mix(
-    thrust: float, tx: float, ty: float, tz: float, p: Fleet
-) -> tuple[float, float, float, float]:
+def mix(thrust: float, tx: float, ty: float, tz: float, p: Fleet) -> tuple[float, float, float, float]:
     """Return the rotor thrusts (N) for a thrust (N) and torques (N m); what does not fit goes in order of need.
 
     Roll and pitch are scaled down together only if they alone exceed the range of the rotors, collective thrust is
@@ -163,9 +168,7 @@ def room(base: float, change: float, low: float, high: float) -> float:
 
 
 @compiled
-def pursue(
-    body: Body, asked: Demand, integral: Triple, h: float, p: Fleet
-) -> tuple[Quadruple, Triple]:
+def pursue(body: Body, asked: Demand, integral: Triple, h: float, p: Fleet) -> tuple[Quadruple, Triple]:
     """Return body rate (rad/s) and collective thrust (m/s²) to ask for, and the new integral: the outer loops."""
     x, y, z, error, level, given, extra, sine, cosine, _ = asked
     if level == RATE:

@@ -13,8 +13,8 @@ Rotor drag: Faessler, Franchi, Scaramuzza 2018, eq. 1-3. The gyroscopic torque o
 import math
 
 from crosstrack.compiled import compiled
-from crosstrack.sim.contact import contact
 from crosstrack.sim.airframe import GRAVITY
+from crosstrack.sim.contact import contact
 from crosstrack.sim.fleet import Fleet
 
 Body = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
@@ -75,9 +75,7 @@ def derivative(body: Body, wrench: Wrench, wind: tuple[float, float, float], p: 
     fz = thrust - (drag[2] * abs(uz) + rotor_drag[2] * speed_sum) * uz
     gx = gy = gz = 0.0
     if pz < p.ground + 4 * p.gear:
-        gx, gy, gz, mx, my, mz = contact(
-            pz, vx, vy, vz, wx, wy, wz, (r00, r01, r02, r10, r11, r12, r20, r21, r22), p
-        )
+        gx, gy, gz, mx, my, mz = contact(pz, vx, vy, vz, wx, wy, wz, (r00, r01, r02, r10, r11, r12, r20, r21, r22), p)
         torque_x += mx
         torque_y += my
         torque_z += mz
@@ -140,7 +138,5 @@ def step(
     k4 = derivative(moved(body, h, k3), rotor_wrench(end, p), wind, p)
     body = moved(moved(moved(moved(body, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4)
     scale = 1.0 / math.sqrt(body[6] ** 2 + body[7] ** 2 + body[8] ** 2 + body[9] ** 2)
-    normalised = (
-        body[:6] + (body[6] * scale, body[7] * scale, body[8] * scale, body[9] * scale) + body[10:]
-    )
+    normalised = body[:6] + (body[6] * scale, body[7] * scale, body[8] * scale, body[9] * scale) + body[10:]
     return normalised, end

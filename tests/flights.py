@@ -1,0 +1,94 @@
+"""Plans for tests, in an open sky."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.loop import fly
+from crosstrack.flight.plan import Plan
+from crosstrack.follow.carrot import Carrot
+from crosstrack.follow.course import plan_course
+from crosstrack.path.polyline import Polyline
+from crosstrack.protocols import Scenario
+from crosstrack.types import Air, Array, Limits, Noise, Outcome, Wind
+from crosstrack.vehicles.quadrotor import Quadrotor
+
+
+class OpenSky:
+    """A world without obstacles."""
+
+    def __init__(self, ground: float = 0.0, bounds: Array | None = None) -> None:
+        self.ground, self.bounds = ground, bounds
+
+    def distance(self, points: Array) -> Array:
+        return np.full(points.shape[:-1], np.inf)
+
+    def gradient(self, points: Array) -> Array:
+        return np.zeros_like(points)
+
+    def swept(self, start: Array, end: Array) -> float:
+        return math.inf
+
+
+def plan_for(
+    points: Any,
+    *,
+    vehicle: Any = None,
+    tracker: Any = None,
+    speed: float = 5.0,
+    tolerance: float = 0.3,
+    start: tuple[float, float, float] | None = None,
+    yaw: float = 0.0,
+    world: Any = None,
+    limits: Limits = Limits(),
+    wind: Wind = Wind(),
+    noise: Noise = Noise(),
+    air: Air = Air(),
+    rate: float = 50.0,
+    timeout: float = 300.0,
+    closed: bool = False,
+    seed: int = 1,
+) -> Plan:
+    route = Polyline(points, closed)
+    vehicle = vehicle or Quadrotor()
+    scenario = Scenario(
+        position=np.array(start) if start else route(0.0),
+        yaw=yaw,
+        world=world or OpenSky(),
+        cruise=speed,
+        limits=limits,
+        wind=wind,
+        air=air,
+        noise=noise,
+        period=1 / rate,
+        seed=seed,
+    )
+    entry = np.array(start) if start else None
+    course = plan_course(route, tolerance, speed, vehicle.envelope(scenario), entry)
+    return Plan("test", {}, route, course, vehicle, tracker or Carrot(), scenario, timeout)
+
+
+class Report:
+    """A flight and its errors against the route."""
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight, self.outcome, record = flight, flight.outcome, flight.record
+        self.time, self.position = record.time, record.position
+        self.speed = np.linalg.norm(record.velocity, axis=1)
+        entry = flight.plan.course.entry
+        self.progress, self.error = flight.plan.route.trace(record.position, entry)
+        below = np.flatnonzero(self.error < 0.05)
+        self.captured = self.error[below[0] :] if below.size else np.array([np.inf])
+        self.rms = float(np.sqrt(np.mean(self.error**2)))
+        self.captured_rms = float(np.sqrt(np.mean(self.captured**2)))
+        self.end_error = float(np.linalg.norm(self.position[-1] - flight.plan.route(flight.plan.route.length)))
+
+    @property
+    def arrived(self) -> bool:
+        return self.outcome is Outcome.ARRIVED
+
+
+def flown(points: Any, **options: Any) -> Report:
+    return Report(fly(plan_for(points, **options)))

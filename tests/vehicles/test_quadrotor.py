@@ -1,0 +1,127 @@
+"""The embedded quadrotor in flight: levels of command, the ground, and the limits of tilt and thrust."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from flights import OpenSky, plan_for
+
+from crosstrack.flight.loop import fly
+from crosstrack.sim.airframe import AIRFRAMES
+from crosstrack.types import AttitudeSetpoint, Limits, Outcome, RateSetpoint, Setpoint, Wind
+from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
+
+HERE = [[0, 0, 10], [50, 0, 10]]
+
+
+def launched(airframe: str = "generic", height: float = 10.0, **options: object) -> QuadrotorSession:
+    plan = plan_for([[0, 0, height], [50, 0, height]], vehicle=Quadrotor(airframe), **options)  # type: ignore[arg-type]
+    return Quadrotor(airframe).launch(plan.scenario)  # type: ignore[arg-type]
+
+
+def tilt(session: QuadrotorSession) -> float:
+    x, y = session.truth().attitude[:2]
+    return math.acos(1 - 2 * (x * x + y * y))
+
+
+@pytest.mark.parametrize("airframe", AIRFRAMES)
+def test_a_position_is_held_in_wind(airframe: str) -> None:
+    session = launched(airframe, wind=Wind((3.0, -2.0, 0.0)))
+    for _ in range(500):
+        session.advance(Setpoint(position=np.array([1.0, -1.0, 12.0])), 0.02)
+    np.testing.assert_allclose(session.truth().position, [1, -1, 12], atol=0.03)
+
+
+@pytest.mark.parametrize("airframe", AIRFRAMES)
+def test_an_attitude_and_a_thrust_are_flown(airframe: str) -> None:
+    session = launched(airframe)
+    roll = 0.3
+    attitude = np.array([math.sin(roll / 2), 0, 0, math.cos(roll / 2)])
+    for _ in range(25):
+        session.advance(AttitudeSetpoint(attitude, 9.80665 / math.cos(roll)), 0.02)
+    np.testing.assert_allclose(session.truth().attitude, attitude, atol=0.01)
+    before = session.truth().velocity.copy()
+    session.advance(AttitudeSetpoint(attitude, 9.80665 / math.cos(roll)), 0.02)
+    push = (session.truth().velocity - before) / 0.02
+    assert push[1] == pytest.approx(-9.80665 * math.tan(roll), rel=0.15)
+
+
+@pytest.mark.parametrize("airframe", AIRFRAMES)
+def test_rates_and_a_thrust_are_flown(airframe: str) -> None:
+    session = launched(airframe)
+    for _ in range(20):
+        session.advance(RateSetpoint(np.array([0.3, -0.2, 0.5]), 9.80665), 0.02)
+    np.testing.assert_allclose(session.truth().rate, [0.3, -0.2, 0.5], atol=0.02)
+
+
+def test_a_component_left_free_is_still_and_the_others_are_flown() -> None:
+    session = launched()
+    for _ in range(300):
+        session.advance(Setpoint(velocity=np.array([2.0, math.nan, math.nan])), 0.02)
+    np.testing.assert_allclose(session.truth().velocity, [2, 0, 0], atol=0.05)
+
+
+@pytest.mark.parametrize(("start", "asked"), [(3.0, -3.0), (-3.0, 3.0), (0.0, 2.5)])
+def test_yaw_turns_the_short_way_round(start: float, asked: float) -> None:
+    session = launched(yaw=start)
+    turned = 0.0
+    for _ in range(300):
+        session.advance(Setpoint(velocity=np.zeros(3), yaw=asked), 0.02)
+        turned += session.truth().rate[2] * 0.02
+    short = math.remainder(asked - start, 2 * math.pi)
+    assert turned == pytest.approx(short, abs=0.05)
+
+
+def test_a_yaw_rate_is_held() -> None:
+    session = launched()
+    for _ in range(200):
+        session.advance(Setpoint(velocity=np.zeros(3), yaw_rate=0.4), 0.02)
+    assert session.truth().rate[2] == pytest.approx(0.4, abs=0.01)
+
+
+@pytest.mark.parametrize("limit", [15.0, 30.0, 45.0])
+def test_the_tilt_limit_holds(limit: float) -> None:
+    session = launched(limits=Limits(tilt_deg=limit))
+    most = 0.0
+    for _ in range(100):
+        session.advance(Setpoint(velocity=np.array([12.0, 0, 0])), 0.02)
+        most = max(most, tilt(session))
+    assert math.degrees(most) == pytest.approx(limit, abs=3)
+
+
+def test_thin_air_carries_less() -> None:
+    plan = plan_for(HERE)
+    thin = replace(plan.scenario, air=replace(plan.scenario.air, pressure=70000.0))
+    vehicle = Quadrotor()
+    assert vehicle.envelope(thin).acceleration_vertical < vehicle.envelope(plan.scenario).acceleration_vertical
+    session = vehicle.launch(thin)
+    hover = AIRFRAMES["generic"].rotor_speed_hover * math.sqrt(101325 / 70000)
+    for _ in range(100):
+        session.advance(Setpoint(position=np.array([0.0, 0, 10])), 0.02)
+    np.testing.assert_allclose(session.truth().rotor_speeds, hover, rtol=0.01)
+
+
+def test_it_takes_off_from_the_ground_and_lands_on_it() -> None:
+    route = [[0, 0, 0], [0, 0, 5], [5, 0, 5], [5, 0, 0.15]]
+    flight = fly(plan_for(route, speed=2.0))
+    assert flight.outcome is Outcome.ARRIVED
+    assert flight.record.position[0, 2] == pytest.approx(AIRFRAMES["generic"].gear)
+    session = launched(height=2.0)
+    for _ in range(250):
+        session.advance(Setpoint(velocity=np.array([0.0, 0, -0.7])), 0.02)
+    assert session.truth().position[2] == pytest.approx(AIRFRAMES["generic"].gear, abs=0.01)
+    assert np.linalg.norm(session.truth().velocity) < 0.01
+    assert not session.touched()
+
+
+def test_a_fall_is_a_crash() -> None:
+    session = launched(height=5.0)
+    for _ in range(100):
+        session.advance(RateSetpoint(np.zeros(3), 0.0), 0.02)
+    assert session.touched()
+
+
+def test_the_ground_may_be_anywhere() -> None:
+    flight = fly(plan_for([[0, 0, 52], [5, 0, 52]], world=OpenSky(ground=50.0), speed=2.0))
+    assert flight.outcome is Outcome.ARRIVED
