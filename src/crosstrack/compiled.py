@@ -17,13 +17,19 @@ REORDERING = {"contract", "nsz", "arcp", "reassoc"}
 
 
 def compiled(function: Function) -> Function:
-    """Compile a plain function of floats and arrays with numba, cached on disk, single-threaded."""
-    given = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = given or str(cache_folder())
+    """Compile a plain function of floats and arrays with numba, cached on disk, single-threaded.
+
+    Inlined into whatever calls it: a call would be bound to the callee compiled alone while it is fresh and to the
+    callee compiled with its caller once cached, and these round differently.
+    """
+    config: Any = numba.config
+    given = config.CACHE_DIR
+    config.CACHE_DIR = given or str(cache_folder())
     try:
-        return cast(Function, numba.njit(function, cache=True, error_model="numpy", fastmath=REORDERING))
+        made = numba.njit(function, cache=True, forceinline=True, error_model="numpy", fastmath=REORDERING)
+        return cast(Function, made)
     finally:
-        numba.config.CACHE_DIR = given
+        config.CACHE_DIR = given
 
 
 @cache

@@ -11,7 +11,7 @@ class Path(Protocol):
 
     @property
     def length(self) -> float:
-        """M"""
+        """m"""
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (m, shape (...)): point, unit tangent or curvature vector for order 0, 1, 2.

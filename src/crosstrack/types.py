@@ -105,6 +105,8 @@ class Envelope:
 
     speed: float
     """m/s, the fastest it may be asked to fly"""
+    speed_vertical: float
+    """m/s, the fastest it may be asked to climb or sink"""
     acceleration: float
     """m/s², the most it may be asked for sideways; inf when it turns at once"""
     acceleration_vertical: float

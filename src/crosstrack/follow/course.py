@@ -47,16 +47,21 @@ def plan_course(
         return Course(path, constant, envelope, entry)
     accelerations = RESERVE * possible(path, envelope)
     with np.errstate(divide="ignore"):
-        limits = np.minimum(speed, np.sqrt(accelerations / path.curvatures))
+        limits = np.minimum(speed, envelope.speed_vertical / steepness(path))
+        limits = np.minimum(limits, np.sqrt(accelerations / path.curvatures))
     corners = cusp_speeds(path, accelerations, CUSP * tolerance)
     return Course(path, profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time), envelope, entry)
 
 
 def possible(path: Pieces, envelope: Envelope) -> Array:
     """Return the acceleration (pieces,) m/s² that the vehicle has in every direction in which a piece needs it."""
-    steepness = np.hypot(path.tangents[:, 2], path.normals[:, 2])
     with np.errstate(divide="ignore"):
-        return np.minimum(envelope.acceleration, envelope.acceleration_vertical / steepness)
+        return np.minimum(envelope.acceleration, envelope.acceleration_vertical / steepness(path))
+
+
+def steepness(path: Pieces) -> Array:
+    """Return the greatest vertical part (pieces,) of a unit vector in the line or plane of each piece."""
+    return np.hypot(path.tangents[:, 2], path.normals[:, 2])
 
 
 def cusp_speeds(path: Pieces, accelerations: Array, tolerance: float) -> Array:

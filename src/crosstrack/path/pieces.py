@@ -35,7 +35,7 @@ class Pieces:
 
     @property
     def length(self) -> float:
-        """M"""
+        """m"""
         return float(self.knots[-1])
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:

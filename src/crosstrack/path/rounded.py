@@ -18,13 +18,14 @@ def rounded(corners: Array, tolerance: float, radius: float) -> Pieces:
     """Round the corners of a polyline by at most `tolerance`.
 
     Points that deviate by less than a tenth of the tolerance are dropped first (Douglas and Peucker 1973), so that
-    dense points do not make tight corners. A corner of turn θ then gets an arc of radius
-    r = min(radius, 0.9 tolerance / (sec θ/2 - 1), l / tan θ/2), where l is half of the shorter leg beside it.
+    dense points do not make tight corners. A corner of turn θ then gets the arc of radius
+    r = min(max(radius, 0.1 R), 0.9 R, l / tan θ/2), where R = tolerance / (sec θ/2 - 1) uses all of the tolerance and
+    l is half of the shorter leg beside it: gentle turns become as smooth as costs next to nothing.
 
     Args:
         corners: (n, 3) m, no two in a row the same
         tolerance: m
-        radius: m, no corner needs more
+        radius: m, no corner needs more for the speed it is flown at
     """
     kept = corners[simplified(corners, 0.1 * tolerance)]
     if np.linalg.norm(np.diff(kept, axis=0), axis=1).min() > SHORTEST:
@@ -38,7 +39,8 @@ def rounded(corners: Array, tolerance: float, radius: float) -> Pieces:
     half_tangent = np.tan(np.where(soft, turn, 1.0) / 2)
     room = np.minimum(share(lengths)[0][1:], share(lengths)[1][:-1]) / half_tangent
     bulge = 1 / np.cos(np.where(soft, turn, 1.0) / 2) - 1
-    radii = np.where(soft, np.minimum(np.minimum(radius, 0.9 * tolerance / bulge), room), 0.0)
+    widest = np.minimum(np.maximum(radius, 0.1 * tolerance / bulge), 0.9 * tolerance / bulge)
+    radii = np.where(soft, np.minimum(widest, room), 0.0)
     return assemble(corners, directions, lengths, turn, radii, radii * half_tangent)
 
 

@@ -1,7 +1,8 @@
 """The cascaded autopilot: position, velocity, attitude, rate, mixer; each loop asks the next one in.
 
 velocity       v* = v_ff + k_p (p* - p)
-acceleration   a* = a_ff + k_v (v* - v) + k_i ∫(v* - v) dt + drag at v in still air
+acceleration   a* = a_ff + k_v (v* - v) + drag at v in still air - d
+disturbance    d = k_d (v - v̂), dv̂/dt = thrust - g e_z - drag in still air + d: what these leave unexplained
 thrust vector  f* = a* + g e_z, height before sideways motion, tilt limited
 rate           ω* = 2 k_a sin(θ/2) along the tilt error θ, 2 k_ψ sin(ψ/2) along the yaw error ψ
 (Brescianini and D'Andrea 2018, reduced and full attitude control)
@@ -13,15 +14,15 @@ import math
 
 from crosstrack.compiled import compiled
 from crosstrack.sim.airframe import GRAVITY
-from crosstrack.sim.dynamics import Body
+from crosstrack.sim.dynamics import Body, Rotors
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, Fleet
 
 LEAST_LIFT = 0.3
 """of gravity: the least vertical thrust asked for, so that attitude control keeps its authority"""
 MOST_THRUST = 0.92
 """of the greatest thrust: the rest is left to roll and pitch"""
-INTEGRAL_MAX = 5.0
-"""m/s², the steady disturbance that the integral can hold off on each axis"""
+DISTURBANCE_MAX = 5.0
+"""m/s², the steady disturbance that is held off on each axis"""
 
 
 Axis = tuple[float, float, float, float]
@@ -65,10 +66,19 @@ def demand(p: Fleet) -> Demand:
 
 
 @compiled
-def acceleration_wanted(
-    body: Body, x: Axis, y: Axis, z: Axis, error: Triple, integral: Triple, h: float, p: Fleet
-) -> tuple[Triple, Triple]:
-    """Return the acceleration asked for (m/s², gravity excluded) and the new integral of the velocity error."""
+def disturbance(body: Body, error: Triple, expected: Triple, p: Fleet) -> Triple:
+    """Return the acceleration (m/s²) that thrust and known drag do not explain: wind, body drag, wrong mass."""
+    gain = p.gain_disturbance
+    x = gain * (body[3] + error[0] - expected[0])
+    y = gain * (body[4] + error[1] - expected[1])
+    z = gain * (body[5] + error[2] - expected[2])
+    most = DISTURBANCE_MAX
+    return min(most, max(-most, x)), min(most, max(-most, y)), min(most, max(-most, z))
+
+
+@compiled
+def acceleration_wanted(body: Body, x: Axis, y: Axis, z: Axis, error: Triple, p: Fleet) -> Triple:
+    """Return the acceleration asked for (m/s², gravity excluded), as if in empty space."""
     vx, vy, vz = x[0] - x[1] * body[0], y[0] - y[1] * body[1], z[0] - z[1] * body[2]
     square = vx * vx + vy * vy + vz * vz
     if square > p.speed_max * p.speed_max:
@@ -77,17 +87,8 @@ def acceleration_wanted(
     ex = x[2] * (vx - body[3] - error[0])
     ey = y[2] * (vy - body[4] - error[1])
     ez = z[2] * (vz - body[5] - error[2])
-    gain = p.gain_integral * h
-    ix = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[0] + gain * ex))
-    iy = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[1] + gain * ey))
-    iz = min(INTEGRAL_MAX, max(-INTEGRAL_MAX, integral[2] + gain * ez))
-    ux, uy, uz = body[3] + error[0], body[4] + error[1], body[5] + error[2]
-    k, drag = p.gain_velocity, p.drag_feed
-    sideways = drag[0] + drag[1] * math.sqrt(ux * ux + uy * uy)
-    ax = x[3] + k * ex + sideways * ux + ix
-    ay = y[3] + k * ey + sideways * uy + iy
-    az = z[3] + k * ez + drag[2] * abs(uz) * uz + iz
-    return (ax, ay, az), (ix, iy, iz)
+    k = p.gain_velocity
+    return x[3] + k * ex, y[3] + k * ey, z[3] + k * ez
 
 
 @compiled
@@ -131,59 +132,67 @@ def rate_wanted(body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet
 
 
 @compiled
-def mix(thrust: float, tx: float, ty: float, tz: float, p: Fleet) -> tuple[float, float, float, float]:
+def mix(thrust: float, tx: float, ty: float, tz: float, p: Fleet) -> Quadruple:
     """Return the rotor thrusts (N) for a thrust (N) and torques (N m); what does not fit goes in order of need.
 
-    Roll and pitch are scaled down together only if they alone exceed the range of the rotors, collective thrust is
-    shifted to make room for them, yaw takes what room is left.
+    Roll and pitch are scaled down together only if they alone exceed the range of the rotors; collective thrust is
+    the nearest to the one asked for that leaves room for them; yaw takes what room is left. What fits is exact.
+    Opposite rotors share collective and yaw: c ± a - u for the first two, c ± b + u for the others.
     """
     low, high, rows = p.thrust_min, p.thrust_max, p.allocation
     a = rows[0, 1] * tx + rows[0, 2] * ty
-    b = rows[1, 1] * tx + rows[1, 2] * ty
-    c = rows[2, 1] * tx + rows[2, 2] * ty
-    d = rows[3, 1] * tx + rows[3, 2] * ty
-    most, least = max(max(a, b), max(c, d)), min(min(a, b), min(c, d))
-    if most - least > high - low:
-        scale = (high - low) / (most - least)
-        a, b, c, d, most, least = a * scale, b * scale, c * scale, d * scale, most * scale, least * scale
-    collective = min(high - most, max(low - least, 0.25 * thrust))
-    a, b, c, d = a + collective, b + collective, c + collective, d + collective
-    share = 1.0
-    share = min(share, room(a, rows[0, 3] * tz, low, high))
-    share = min(share, room(b, rows[1, 3] * tz, low, high))
-    share = min(share, room(c, rows[2, 3] * tz, low, high))
-    share = min(share, room(d, rows[3, 3] * tz, low, high))
-    tz *= share
-    return a + rows[0, 3] * tz, b + rows[1, 3] * tz, c + rows[2, 3] * tz, d + rows[3, 3] * tz
+    b = rows[2, 1] * tx + rows[2, 2] * ty
+    widest = max(abs(a), abs(b))
+    if 2 * widest > high - low:
+        scale = 0.5 * (high - low) / widest
+        a, b = a * scale, b * scale
+    wide_a, wide_b, u = abs(a), abs(b), rows[2, 3] * tz
+    first, last = min(0.0, u), max(0.0, u)
+    raised = min(last, max(first, 0.5 * (wide_b - wide_a)))
+    lowered = min(last, max(first, 0.5 * (wide_a - wide_b)))
+    least = low + max(wide_a + raised, wide_b - raised)
+    most = high - max(wide_a - lowered, wide_b + lowered)
+    c = min(most, max(least, 0.25 * thrust))
+    u = min(min(c - low - wide_a, high - c - wide_b), max(max(low - c + wide_b, c - high + wide_a), u))
+    return c + a - u, c - a - u, c + b + u, c - b + u
 
 
 @compiled
-def room(base: float, change: float, low: float, high: float) -> float:
-    """Return the largest share of a change, at most 1, that keeps base + share * change in [low, high]."""
-    if change > 0 and base + change > high:
-        return (high - base) / change
-    if change < 0 and base + change < low:
-        return (low - base) / change
-    return 1.0
+def pursue(body: Body, rotors: Rotors, asked: Demand, expected: Triple, h: float, p: Fleet) -> tuple[Quadruple, Triple]:
+    """Return body rate (rad/s) and collective thrust (m/s²) to ask for: the outer loops.
 
-
-@compiled
-def pursue(body: Body, asked: Demand, integral: Triple, h: float, p: Fleet) -> tuple[Quadruple, Triple]:
-    """Return body rate (rad/s) and collective thrust (m/s²) to ask for, and the new integral: the outer loops."""
+    Returns:
+        rate and thrust; the velocity expected a time `h` later, by which the disturbance is known
+    """
     x, y, z, error, level, given, extra, sine, cosine, _ = asked
-    if level == RATE:
-        return given, integral
-    if level == ATTITUDE:
-        wx, wy, wz = rate_wanted(body, given[0], given[1], given[2], given[3], p)
-        return (wx, wy, wz, extra), integral
-    (ax, ay, az), integral = acceleration_wanted(body, x, y, z, error, integral, h, p)
-    fx, fy, fz = thrust_vector(ax, ay, az, p)
-    qx, qy, qz, qw = attitude_wanted(fx, fy, fz, sine, cosine)
-    wx, wy, wz = rate_wanted(body, qx, qy, qz, qw, p)
+    upset = disturbance(body, error, expected, p)
     up_x = 2 * (body[6] * body[8] + body[7] * body[9])
     up_y = 2 * (body[7] * body[8] - body[6] * body[9])
     up_z = 1 - 2 * (body[6] * body[6] + body[7] * body[7])
-    return (wx, wy, wz + extra, fx * up_x + fy * up_y + fz * up_z), integral
+    a, b, c, d = rotors
+    pull = p.thrust * p.inverse_mass * (a * a + b * b + c * c + d * d)
+    slack = h - 1.0 / p.gain_disturbance
+    vx, vy, vz = body[3] + error[0], body[4] + error[1], body[5] + error[2]
+    drag = p.drag_feed
+    sideways = drag[0] + drag[1] * math.sqrt(vx * vx + vy * vy)
+    upwards = drag[2] * abs(vz)
+    expected = (
+        vx + h * (pull * up_x - sideways * vx) + slack * upset[0],
+        vy + h * (pull * up_y - sideways * vy) + slack * upset[1],
+        vz + h * (pull * up_z - GRAVITY - upwards * vz) + slack * upset[2],
+    )
+    if level == RATE:
+        return given, expected
+    if level == ATTITUDE:
+        wx, wy, wz = rate_wanted(body, given[0], given[1], given[2], given[3], p)
+        return (wx, wy, wz, extra), expected
+    ax, ay, az = acceleration_wanted(body, x, y, z, error, p)
+    fx, fy, fz = thrust_vector(
+        ax + sideways * vx - upset[0], ay + sideways * vy - upset[1], az + upwards * vz - upset[2], p
+    )
+    qx, qy, qz, qw = attitude_wanted(fx, fy, fz, sine, cosine)
+    wx, wy, wz = rate_wanted(body, qx, qy, qz, qw, p)
+    return (wx, wy, wz + extra, fx * up_x + fy * up_y + fz * up_z), expected
 
 
 @compiled

@@ -36,7 +36,7 @@ ROW = np.dtype(
         ("speed_max", float),  # m/s, the most that the autopilot flies
         ("gain_position", float),
         ("gain_velocity", float),
-        ("gain_integral", float),
+        ("gain_disturbance", float),
         ("gain_attitude", float),
         ("gain_yaw", float),
         ("gain_rate", float),
@@ -45,7 +45,7 @@ ROW = np.dtype(
         ("max_rate_yaw", float),
         # Where it is.
         ("state", float, 17),  # position, velocity, attitude xyzw, rate, rotor speeds, as in `types.State`
-        ("integral", float, 3),  # m/s², held by the autopilot against a steady disturbance
+        ("expected", float, 3),  # m/s, velocity that thrust and known drag alone would have given
         ("yaw", float),  # rad, held by the autopilot
         ("impact", float),  # m/s, hardest touch of the ground so far
         # What it is told, held from one call of the kernel to the next.
@@ -89,7 +89,7 @@ def fleet(
     rows["tilt_tangent"], rows["speed_max"] = math.tan(math.radians(limits.tilt_deg)), limits.speed
     gains = airframe.gains
     rows["gain_position"], rows["gain_velocity"] = gains.position, gains.velocity
-    rows["gain_integral"] = gains.velocity_integral
+    rows["gain_disturbance"] = gains.disturbance
     rows["gain_attitude"], rows["gain_yaw"] = gains.attitude, gains.yaw
     rows["gain_rate"], rows["gain_rate_yaw"] = gains.rate, gains.rate_yaw
     rows["max_rate"], rows["max_rate_yaw"] = gains.max_rate, gains.max_rate_yaw
@@ -104,4 +104,4 @@ def place(rows: Fleet, position: Array, yaw: float | Array, spinning: bool = Tru
     rows["state"][:, 8], rows["state"][:, 9] = np.sin(np.divide(yaw, 2)), np.cos(np.divide(yaw, 2))
     thrust = rows["mass"] * GRAVITY / 4 if spinning else rows["thrust_min"]
     rows["state"][:, 13:] = np.sqrt(thrust / rows["thrust"])[:, None]
-    rows["integral"], rows["yaw"], rows["impact"] = 0.0, yaw, 0.0
+    rows["expected"], rows["yaw"], rows["impact"] = 0.0, yaw, 0.0

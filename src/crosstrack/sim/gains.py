@@ -11,8 +11,8 @@ class Gains:
     """1/s, position error to velocity"""
     velocity: float
     """1/s, velocity error to acceleration"""
-    velocity_integral: float
-    """1/s², integral of the velocity error to acceleration"""
+    disturbance: float
+    """1/s, how fast the estimate of a steady disturbance follows it"""
     attitude: float
     """1/s, tilt error to body rate"""
     yaw: float

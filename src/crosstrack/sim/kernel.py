@@ -5,7 +5,7 @@ import math
 from crosstrack.compiled import compiled
 from crosstrack.sim.autopilot import demand, pursue, spin_rotors
 from crosstrack.sim.dynamics import step
-from crosstrack.sim.fleet import Fleet
+from crosstrack.sim.fleet import MOTION, Fleet
 
 STEP = 0.0025
 """s, the longest step flown: a step of 400 Hz, as the rate loops of real autopilots"""
@@ -32,13 +32,13 @@ def fly(rows: Fleet, h: float, steps: int) -> None:
             state[7], state[8], state[9], state[10], state[11], state[12],
         )  # fmt: skip
         rotors = (state[13], state[14], state[15], state[16])
-        integral = (p.integral[0], p.integral[1], p.integral[2])
+        expected = (p.expected[0], p.expected[1], p.expected[2])
         asked = demand(p)
         touch = p.ground + p.gear
         rate = (0.0, 0.0, 0.0, 0.0)
         for k in range(steps):
             if k % OUTER == 0:
-                rate, integral = pursue(body, asked, integral, OUTER * h, p)
+                rate, expected = pursue(body, rotors, asked, expected, OUTER * h, p)
             above, sinking = body[2] > touch, -body[5]
             body, rotors = step(body, rotors, spin_rotors(body, rate, p), wind, p, h, half_lag)
             if above and body[2] <= touch:
@@ -46,8 +46,5 @@ def fly(rows: Fleet, h: float, steps: int) -> None:
         for k in range(13):
             state[k] = body[k]
         state[13], state[14], state[15], state[16] = rotors
-        p.integral[0], p.integral[1], p.integral[2] = integral
-        if not math.isnan(p.command[10]):
-            p.yaw = asked[-1] + p.command[10] * h * steps
-        else:
-            p.yaw = asked[-1]
+        p.expected[0], p.expected[1], p.expected[2] = expected
+        p.yaw = asked[-1] + asked[6] * h * steps if p.level == MOTION else 2 * math.atan2(state[8], state[9])

@@ -31,7 +31,8 @@ class Point:
     def envelope(self, scenario: Scenario) -> Envelope:
         """Return what it can do: fly at the mission's speed, always."""
         most = self.acceleration or math.inf
-        return Envelope(scenario.limits.speed, most, most, self.lag, stops=False)
+        speed = scenario.limits.speed
+        return Envelope(speed, speed, most, most, self.lag, stops=False)
 
     def launch(self, scenario: Scenario) -> "PointSession":
         """Put it at the start, flying at the mission's speed along its yaw."""

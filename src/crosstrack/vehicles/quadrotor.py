@@ -8,7 +8,7 @@ import numpy as np
 
 from crosstrack.protocols import Scenario
 from crosstrack.sim import estimate, turbulence
-from crosstrack.sim.airframe import AIRFRAMES, GRAVITY, Airframe
+from crosstrack.sim.airframe import AIRFRAMES, GRAVITY, SEA_LEVEL_DENSITY, Airframe
 from crosstrack.sim.autopilot import LEAST_LIFT, MOST_THRUST
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, fleet, place
 from crosstrack.sim.kernel import STEP, fly
@@ -28,19 +28,26 @@ class Quadrotor:
     """m, of the sphere that must stay free"""
 
     def envelope(self, scenario: Scenario) -> Envelope:
-        """Return what its thrust and the tilt limit allow while it holds its height, and up and down."""
-        airframe = AIRFRAMES[self.airframe]
-        lift = MOST_THRUST * airframe.thrust_to_weight * scenario.air.density / 1.225
-        sideways = min(math.tan(math.radians(scenario.limits.tilt_deg)), math.sqrt(max(0.0, lift**2 - 1)))
-        vertical = min(lift - 1, 1 - LEAST_LIFT)
-        response = 1 / airframe.gains.attitude + 1 / airframe.gains.rate + airframe.motor_time
-        response += scenario.noise.delay
-        most = scenario.limits.acceleration
+        """Return what its thrust and the tilt limit allow while it holds its height, and up and down against drag.
+
+        The vertical speed v is the one whose drag takes half of the vertical acceleration a: k v² + c v = a / 2.
+        """
+        airframe, limits, density = AIRFRAMES[self.airframe], scenario.limits, scenario.air.density
+        ratio = density / SEA_LEVEL_DENSITY
+        lift = MOST_THRUST * airframe.thrust_to_weight * ratio
+        sideways = min(math.tan(math.radians(limits.tilt_deg)), math.sqrt(max(0.0, lift**2 - 1)))
+        vertical = min(limits.acceleration, GRAVITY * min(lift - 1, 1 - LEAST_LIFT))
+        k = airframe.body_drag[2] * density / airframe.mass
+        c = airframe.rotor_drag[2] * ratio * 4 * airframe.rotor_speed_hover / airframe.mass
+        slow = vertical / (c + math.sqrt(c**2 + 2 * k * vertical)) if k + c > 0 else math.inf
+        gains = airframe.gains
+        response = 1 / gains.attitude + 1 / gains.rate + airframe.motor_time
         return Envelope(
-            speed=scenario.limits.speed,
-            acceleration=min(most, GRAVITY * sideways),
-            acceleration_vertical=min(most, GRAVITY * vertical),
-            response_time=response,
+            speed=limits.speed,
+            speed_vertical=min(limits.speed, slow),
+            acceleration=min(limits.acceleration, GRAVITY * sideways),
+            acceleration_vertical=vertical / 2,
+            response_time=response + scenario.noise.delay,
         )
 
     def launch(self, scenario: Scenario) -> "QuadrotorSession":
@@ -60,6 +67,10 @@ class QuadrotorSession:
         self.rng = np.random.default_rng(scenario.seed)
         self.mean = np.array(scenario.wind.mean)
         self.rows = fleet(airframe, scenario.air, scenario.limits, scenario.world.ground)
+        # A late estimate allows no more gain than one that the velocity loop can still follow.
+        late = 1 / (1 + airframe.gains.velocity * scenario.noise.delay)
+        for gain in ("gain_position", "gain_velocity", "gain_disturbance"):
+            self.rows[gain] *= late
         position = scenario.position.copy()
         resting = scenario.world.ground + airframe.gear
         on_ground = position[2] <= resting + 0.01
@@ -121,6 +132,7 @@ class QuadrotorSession:
     def tell(self, command: Command) -> None:
         """Write a command into the row."""
         row = self.rows["command"][0]
+        row[:] = np.nan
         if isinstance(command, Setpoint):
             self.rows["level"] = MOTION
             row[:3], row[3:6], row[6:9] = command.position, command.velocity, command.acceleration
