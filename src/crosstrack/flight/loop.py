@@ -47,6 +47,8 @@ def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
         wall_time = time.perf_counter() - began
         for observer in observers:
             observer.end(outcome, wall_time)
+    if not rows:
+        raise LinkLost("the vehicle was lost before it said where it is")
     return Flight(plan, outcome, collect(rows), wall_time)
 
 

@@ -1,0 +1,169 @@
+"""How well a flight went, in numbers."""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrack.flight.flight import Flight, Record
+from crosstrack.types import Array, Outcome
+
+CAPTURED = 0.05
+"""m, the cross-track error under which the route is captured"""
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """The numbers of one flight; None where there is nothing to measure.
+
+    Means over time weigh every sample by the time it stands for (trapezoid rule).
+    """
+
+    flight_time_s: float
+    """s, from the first sample to the last"""
+    ideal_time_s: float
+    """s, of the planned speed profile"""
+    time_ratio: float | None
+    """flight time over ideal time; None unless it arrived"""
+    cross_track_rms_m: float
+    """m, root mean square over time of the cross-track error"""
+    cross_track_max_m: float
+    """m"""
+    cross_track_rms_captured_m: float | None
+    """m, from the first time the error is under 0.05 m; None when it never is"""
+    cross_track_max_captured_m: float | None
+    """m, likewise"""
+    captured_time_s: float | None
+    """s after the first sample, when the error is first under 0.05 m"""
+    final_error_m: float
+    """m, from the last position to the end of the route"""
+    final_speed_mps: float
+    """m/s"""
+    min_clearance_m: float | None
+    """m, least swept distance from the centre to an obstacle; None without obstacles"""
+    path_length_m: float
+    """m, of the route"""
+    flown_length_m: float
+    """m, through the positions"""
+    max_speed_mps: float
+    """m/s"""
+    mean_speed_mps: float
+    """m/s, over time"""
+    max_airspeed_mps: float | None
+    """m/s, relative to the wind; None where the wind is not known"""
+    max_acceleration_mps2: float | None
+    """m/s², between samples, gravity excluded"""
+    rms_jerk_mps3: float | None
+    """m/s³, root mean square of the change of the acceleration between samples"""
+    max_tilt_deg: float
+    """degrees between body z and world z"""
+    control_effort_radps: float | None
+    """rad/s, root mean square of each rotor's speed about its own mean; None without rotors"""
+    wall_time_s: float
+    """s, of the machine, spent flying"""
+
+
+def measure(flight: Flight) -> Metrics:
+    """Measure a flight over the samples whose state is finite."""
+    record = flight.record
+    time, speed = record.time, np.linalg.norm(record.velocity, axis=1)
+    error = cross_track(flight)
+    known = np.isfinite(error) & np.isfinite(speed)
+    duration = float(time[-1] - time[0])
+    ideal = flight.plan.course.speed.duration
+    last = np.flatnonzero(known)[-1]
+    return Metrics(
+        flight_time_s=duration,
+        ideal_time_s=ideal,
+        time_ratio=duration / ideal if flight.outcome is Outcome.ARRIVED and ideal > 0 else None,
+        **_errors(time[known], error[known]),
+        final_error_m=float(np.linalg.norm(record.position[last] - flight.plan.route(flight.plan.route.length))),
+        final_speed_mps=float(speed[last]),
+        min_clearance_m=_finite(float(record.clearance.min())),
+        path_length_m=flight.plan.route.length,
+        flown_length_m=float(np.linalg.norm(np.diff(record.position[known], axis=0), axis=1).sum()),
+        max_speed_mps=float(speed[known].max()),
+        mean_speed_mps=mean(time[known], speed[known]),
+        max_tilt_deg=float(np.degrees(tilt(record.attitude[known]).max())),
+        control_effort_radps=_effort(record),
+        wall_time_s=flight.wall_time,
+        **_motion(record, known),
+    )
+
+
+def summary(flight: Flight) -> dict[str, Any]:
+    """Return the outcome and the metrics as JSON has them: null where there is nothing to measure."""
+    metrics = {
+        name: _finite(value) if isinstance(value, float) else value for name, value in asdict(measure(flight)).items()
+    }
+    return {
+        "outcome": flight.outcome.name.lower(),
+        "outcome_text": flight.outcome.value,
+        "arrived": flight.outcome is Outcome.ARRIVED,
+        "collided": flight.outcome is Outcome.COLLIDED,
+    } | metrics
+
+
+def cross_track(flight: Flight) -> Array:
+    """Return the distance from every position to the route near the progress, (n,) m; NaN where not finite.
+
+    The progress is that of the position along the route, see `Pieces.trace`: it never goes back, so that routes
+    may cross themselves, close or reverse.
+    """
+    position = flight.record.position
+    finite = np.isfinite(position).all(axis=1)
+    error = np.full(len(position), np.nan)
+    error[finite] = flight.plan.route.trace(position[finite])[1]
+    return error
+
+
+def mean(time: Array, values: Array) -> float:
+    """Return the mean over time of samples (n,) by the trapezoid rule; of a single sample, itself."""
+    if len(time) == 1:
+        return float(values[0])
+    return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+
+
+def tilt(attitude: Array) -> Array:
+    """Return the angle between body z and world z of attitudes (n, 4) xyzw, (n,) rad: cos = 1 - 2 (x² + y²)."""
+    return np.arccos(np.clip(1.0 - 2.0 * (attitude[:, 0] ** 2 + attitude[:, 1] ** 2), -1.0, 1.0))
+
+
+def _errors(time: Array, error: Array) -> dict[str, Any]:
+    under = np.flatnonzero(error < CAPTURED)
+    start = under[0] if under.size else None
+    captured = error[start:] if start is not None else None
+    return {
+        "cross_track_rms_m": math.sqrt(mean(time, error**2)),
+        "cross_track_max_m": float(error.max()),
+        "cross_track_rms_captured_m": None if captured is None else math.sqrt(mean(time[start:], captured**2)),
+        "cross_track_max_captured_m": None if captured is None else float(captured.max()),
+        "captured_time_s": None if start is None else float(time[start] - time[0]),
+    }
+
+
+def _motion(record: Record, known: NDArray[np.bool_]) -> dict[str, Any]:
+    time, velocity = record.time[known], record.velocity[known]
+    step = np.diff(time)
+    acceleration = np.diff(velocity, axis=0) / step[:, None]
+    jerk = np.diff(acceleration, axis=0) / (0.5 * (step[1:] + step[:-1]))[:, None]
+    airspeed = np.linalg.norm(velocity - record.wind[known], axis=1)
+    return {
+        "max_airspeed_mps": _finite(float(airspeed.max())),
+        "max_acceleration_mps2": float(np.linalg.norm(acceleration, axis=1).max()) if len(step) else None,
+        "rms_jerk_mps3": float(np.sqrt((jerk**2).sum(axis=1).mean())) if len(jerk) else None,
+    }
+
+
+def _effort(record: Record) -> float | None:
+    speeds = record.rotor_speeds
+    if speeds.shape[1] == 0:
+        return None
+    about = [(rotor - mean(record.time, rotor)) ** 2 for rotor in speeds.T]
+    return _finite(math.sqrt(mean(record.time, np.mean(about, axis=0))))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,92 @@
+"""What is drawn against time: one panel for every quantity, the same in the report and in the pictures."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.metrics import tilt
+from crosstrack.types import Array
+
+Role = Literal["flown", "planned", "asked"]
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line of a panel."""
+
+    label: str
+    values: Array
+    """(n,) a value for every sample, NaN where there is none"""
+    role: Role = "flown"
+    """how the line is drawn"""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One quantity against time. Its first series is the one that flights are compared by."""
+
+    title: str
+    unit: str
+    series: tuple[Series, ...]
+    from_zero: bool = True
+    """whether the axis begins at zero"""
+
+
+def panels(flight: Flight, error: Array) -> list[Panel]:
+    """Return the panels of a flight, given its cross-track error (n,) m."""
+    return [
+        Panel("Cross-track error", "m", (Series("cross-track error", error),)),
+        speed(flight),
+        height(flight),
+        Panel("Tilt", "°", (Series("tilt", np.degrees(tilt(flight.record.attitude))),)),
+        *rotors(flight),
+        *clearance(flight),
+        *wind(flight),
+    ]
+
+
+def speed(flight: Flight) -> Panel:
+    """Return the speed flown, of the profile at the progress, and asked for."""
+    record = flight.record
+    planned = np.asarray(flight.plan.course.speed(record.progress))
+    asked = np.linalg.norm(record.command_velocity, axis=1)
+    series = [
+        Series("flown", np.linalg.norm(record.velocity, axis=1)),
+        Series("profile", planned, "planned"),
+    ]
+    if np.isfinite(asked).any():
+        series.append(Series("asked for", asked, "asked"))
+    return Panel("Speed", "m/s", tuple(series))
+
+
+def height(flight: Flight) -> Panel:
+    """Return the height flown and of the course at the progress."""
+    record = flight.record
+    planned = flight.plan.course.path(record.progress)[:, 2]
+    series = (Series("flown", record.position[:, 2]), Series("course", planned, "planned"))
+    return Panel("Height", "m", series, from_zero=False)
+
+
+def rotors(flight: Flight) -> Iterator[Panel]:
+    """Yield the speed of every rotor and their mean, where the vehicle has rotors."""
+    speeds = flight.record.rotor_speeds
+    if speeds.shape[1]:
+        each = [Series(f"rotor {index + 1}", column) for index, column in enumerate(speeds.T)]
+        yield Panel("Rotor speed", "rad/s", (Series("mean", speeds.mean(axis=1), "planned"), *each), from_zero=False)
+
+
+def clearance(flight: Flight) -> Iterator[Panel]:
+    """Yield the distance to the nearest obstacle, where there are any."""
+    distance = flight.record.clearance
+    if np.isfinite(distance).any():
+        yield Panel("Clearance", "m", (Series("clearance", distance),))
+
+
+def wind(flight: Flight) -> Iterator[Panel]:
+    """Yield the wind speed, where there is wind."""
+    strength = np.linalg.norm(flight.record.wind, axis=1)
+    if (strength > 0).any():
+        yield Panel("Wind", "m/s", (Series("wind", strength),))

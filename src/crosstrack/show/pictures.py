@@ -1,0 +1,147 @@
+"""The figures of a flight as PNG files."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.metrics import cross_track
+from crosstrack.flight.scene import Scene, scene
+from crosstrack.show.extent import extent
+from crosstrack.show.footprint import footprint
+from crosstrack.show.panels import Panel, Role, panels
+from crosstrack.show.style import GRID, INK, OBSTACLE, PALETTE, ROTORS, ROUTE, SCALE
+from crosstrack.types import Array
+
+DPI = 130
+STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":"}
+
+
+def pictures(flight: Flight, folder: Path) -> list[Path]:
+    """Write the view in space, the view from above and the panels over time; return their paths.
+
+    Args:
+        flight: what to draw
+        folder: made where it is missing
+
+    Raises:
+        OSError: the folder or a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn, error = scene(flight.plan), cross_track(flight)
+    made: dict[str, Callable[[], Figure]] = {
+        "space.png": lambda: space(flight, drawn, error),
+        "plan.png": lambda: plan_view(flight, drawn),
+        "times.png": lambda: times(flight, panels(flight, error)),
+    }
+    paths = []
+    for name, make in made.items():
+        figure = make()
+        figure.savefig(folder / name, dpi=DPI, bbox_inches="tight", pad_inches=0.3, facecolor="white")
+        paths.append(folder / name)
+    return paths
+
+
+def sheet(width: float, height: float) -> Figure:
+    """Return an empty figure (inches) that belongs to no window."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def space(flight: Flight, drawn: Scene, error: Array) -> Figure:
+    """Draw the view in space, the path coloured by its cross-track error, with equal axes."""
+    figure = sheet(9, 7)
+    axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
+    for _, vertices, triangles in drawn.meshes:
+        look = {"facecolors": OBSTACLE, "shade": True, "alpha": 0.85, "zorder": 1}
+        axes.add_collection3d(Poly3DCollection(vertices[triangles], **look), autolim=False)
+    axes.plot(*drawn.route.T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
+    position = flight.record.position
+    segments = np.stack([position[:-1], position[1:]], axis=1)
+    colors = LinearSegmentedColormap.from_list("error", SCALE)
+    path = Line3DCollection(segments, cmap=colors, linewidth=2.5, zorder=3)
+    path.set_array(error[1:])
+    path.set_clim(0, None)
+    axes.add_collection(path)
+    axes.plot(*position[:1].T, "o", color="white", markeredgecolor=INK, label="start", zorder=4)
+    axes.plot(*position[-1:].T, "s", color="white", markeredgecolor=INK, label="end", zorder=4)
+    frame(axes, extent([flight], drawn))
+    figure.colorbar(path, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
+    heading(axes, flight)
+    axes.legend(loc="upper left", frameon=False)
+    return figure
+
+
+def frame(axes: Any, box: Array) -> None:
+    """Fit axes in space to a box (2, 3) m, a metre as long along each."""
+    axes.set(xlim=box[:, 0], ylim=box[:, 1], zlim=box[:, 2])
+    axes.set(xlabel="x, east (m)", ylabel="y, north (m)", zlabel="z (m)")
+    sides = box[1] - box[0]
+    axes.set_box_aspect(sides)
+    for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), sides, strict=True):
+        axis.get_major_locator().set_params(nbins=max(2, round(6 * side / sides.max())))
+    axes.view_init(elev=32, azim=-122)
+
+
+def plan_view(flight: Flight, drawn: Scene) -> Figure:
+    """Draw the view from above, with equal axes."""
+    figure = sheet(8, 7)
+    axes: Any = figure.add_subplot()
+    position, record = flight.record.position, flight.record
+    axes.plot(*drawn.route[:, :2].T, "--", color=ROUTE, linewidth=1.2, label="route")
+    axes.plot(*position[:, :2].T, color=PALETTE[0], linewidth=1.8, label="flown")
+    every = max(1, len(record.time) // 60)
+    axes.plot(*record.aim[::every, :2].T, ".", color=PALETTE[1], markersize=3, label="carrot")
+    axes.plot(*position[0, :2], "o", color="white", markeredgecolor=INK, label="start")
+    axes.plot(*position[-1, :2], "s", color="white", markeredgecolor=INK, label="end")
+    box = extent([flight], drawn)
+    if drawn.meshes:
+        axes.imshow(footprint(drawn, box).convert("RGBA"), extent=box[:, :2].T.ravel())
+    axes.set(xlabel="x, east (m)", ylabel="y, north (m)", xlim=box[:, 0], ylim=box[:, 1])
+    axes.set_aspect("equal")
+    axes.grid(color=GRID)
+    axes.set_axisbelow(True)
+    heading(axes, flight)
+    figure.legend(loc="outside lower center", ncols=6, frameon=False)
+    return figure
+
+
+def times(flight: Flight, shown: list[Panel]) -> Figure:
+    """Draw all panels under one another over a common time axis."""
+    figure = sheet(9, 1 + 1.5 * len(shown))
+    rows: Any = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, panel in zip(rows, shown, strict=True):
+        many = len(panel.series) > 3
+        for number, series in enumerate(panel.series):
+            color = (ROTORS if many else PALETTE)[number]
+            style = STYLES[series.role]
+            axes.plot(flight.record.time, series.values, style, color=color, linewidth=1.2, label=series.label)
+        if panel.from_zero:
+            axes.set_ylim(bottom=0)
+        axes.set_title(f"{panel.title} ({panel.unit})", loc="left", fontsize=10)
+        axes.grid(color=GRID)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.margins(x=0)
+        if len(panel.series) > 1:
+            place = {"loc": "lower right", "bbox_to_anchor": (1, 0.98), "borderaxespad": 0.2}
+            axes.legend(ncols=len(panel.series), frameon=False, fontsize=9, **place)
+    rows[-1].set_xlabel("time (s)")
+    figure.suptitle(caption(flight), parse_math=False)
+    return figure
+
+
+def heading(axes: Any, flight: Flight) -> None:
+    """Write what the flight is and how it ended above a picture."""
+    axes.set_title(caption(flight), parse_math=False)
+
+
+def caption(flight: Flight) -> str:
+    """Return the name of a flight and how it ended."""
+    return f"{flight.plan.name}: {flight.outcome.value}"

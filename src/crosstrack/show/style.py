@@ -1,0 +1,13 @@
+"""Colours, the same in the report and in the pictures."""
+
+INK = "#1e293b"
+GRID = "#e2e8f0"
+ROUTE = "#64748b"
+COURSE = "#cbd5e1"
+OBSTACLE = "#b6c2d1"
+PALETTE = ("#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
+"""of flights, in their order"""
+ROTORS = ("#1e293b", "#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
+"""of the mean and of the rotors"""
+SCALE = ((0.0, "#2563eb"), (0.5, "#f59e0b"), (1.0, "#dc2626"))
+"""from the least to the largest, in [0, 1], of what a path is coloured by"""

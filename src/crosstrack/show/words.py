@@ -1,0 +1,58 @@
+"""How metrics are called and written for people."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+LABELS: dict[str, tuple[str, str, str]] = {
+    "flight_time_s": ("Flight time", "s", ".2f"),
+    "ideal_time_s": ("Time of the speed profile", "s", ".2f"),
+    "time_ratio": ("Flight time over profile", "", ".3f"),
+    "cross_track_rms_m": ("Cross-track error, RMS", "m", ".3f"),
+    "cross_track_max_m": ("Cross-track error, largest", "m", ".3f"),
+    "cross_track_rms_captured_m": ("Cross-track error, RMS once captured", "m", ".3f"),
+    "cross_track_max_captured_m": ("Cross-track error, largest once captured", "m", ".3f"),
+    "captured_time_s": ("Captured (error under 0.05 m) after", "s", ".2f"),
+    "final_error_m": ("Distance to the last waypoint at the end", "m", ".3f"),
+    "final_speed_mps": ("Speed at the end", "m/s", ".3f"),
+    "min_clearance_m": ("Least clearance", "m", ".3f"),
+    "path_length_m": ("Length of the route", "m", ".2f"),
+    "flown_length_m": ("Length flown", "m", ".2f"),
+    "max_speed_mps": ("Speed, largest", "m/s", ".2f"),
+    "mean_speed_mps": ("Speed, mean", "m/s", ".2f"),
+    "max_airspeed_mps": ("Airspeed, largest", "m/s", ".2f"),
+    "max_acceleration_mps2": ("Acceleration, largest", "m/s²", ".2f"),
+    "rms_jerk_mps3": ("Jerk, RMS", "m/s³", ".2f"),
+    "max_tilt_deg": ("Tilt, largest", "°", ".1f"),
+    "control_effort_radps": ("Rotor speeds about their means, RMS", "rad/s", ".1f"),
+    "wall_time_s": ("Time to compute", "s", ".2f"),
+}
+"""metric to its label, unit and number format"""
+
+CARDS = ("flight_time_s", "cross_track_rms_m", "cross_track_max_m", "final_error_m", "max_speed_mps", "min_clearance_m")
+"""the metrics that head a report"""
+
+NOTHING = "\N{EN DASH}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One metric of some flights, written out."""
+
+    label: str
+    unit: str
+    values: tuple[str, ...]
+
+
+def rows(summaries: Sequence[dict[str, Any]], names: Sequence[str] = tuple(LABELS)) -> list[Row]:
+    """Return metrics of some flights as texts, a dash where there is nothing to measure."""
+    return [
+        Row(label, unit, tuple(number(summary[name], style) for summary in summaries))
+        for name in names
+        for label, unit, style in [LABELS[name]]
+    ]
+
+
+def number(value: float | None, style: str) -> str:
+    """Write a number in a format, a dash for None."""
+    return NOTHING if value is None else format(value, style)
