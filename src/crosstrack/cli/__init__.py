@@ -1,0 +1,5 @@
+"""The command `crosstrack`."""
+
+from crosstrack.cli.app import main
+
+__all__ = ["main"]

@@ -1,0 +1,143 @@
+"""The verbs of the command. What they need is imported when they run, so that `--help` is there at once."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, CycloptsError, Parameter
+
+from crosstrack import __version__
+from crosstrack.errors import InputError, LinkLost
+
+DONE, BAD_INPUT, NOT_ARRIVED, COLLIDED, LINK_LOST, INTERRUPTED = 0, 2, 3, 4, 5, 130
+
+app = App(
+    name="crosstrack",
+    version=__version__,
+    help="Fly quadrotor missions: plan, smooth, track, avoid, show.",
+    help_epilogue="Exit codes: 0 done (arrived), 2 bad input, 3 not arrived, 4 collided, 5 link lost, 130 interrupted.",
+)
+Settings = Annotated[list[str], Parameter(name="--set", negative=())]
+Switch = Annotated[bool, Parameter(negative=())]
+
+
+@app.command
+def fly(
+    mission: Path,
+    *,
+    out: Path | None = None,
+    vehicle: str | None = None,
+    settings: Settings | None = None,
+    json: Switch = False,
+    png: Switch = False,
+) -> int:
+    """Fly a mission; write its summary, log and report.
+
+    Args:
+        mission: the mission file
+        out: folder for summary.json, flight.mcap and report.html; by default runs/<name of the mission>
+        vehicle: the kind of vehicle to fly with instead, such as point
+        settings: change one value of the mission, such as tracker.lookahead=2; may be given several times
+        json: print the summary on standard output, and nothing else there
+        png: write the report's figures as pictures too
+    """
+    from crosstrack.cli import verbs
+
+    chosen = [f"vehicle.kind={vehicle}"] if vehicle is not None else []
+    return verbs.fly(mission, out, chosen + (settings or []), json, png)
+
+
+@app.command
+def check(file: Path | None = None, *, schema: Switch = False, settings: Settings | None = None) -> int:
+    """Print a mission with all its defaults, or everything that is wrong with it.
+
+    Args:
+        file: the mission file
+        schema: print the JSON Schema of mission files instead
+        settings: change one value of the mission, such as tracker.lookahead=2; may be given several times
+    """
+    from crosstrack.cli import verbs
+
+    return verbs.check(file, schema, settings or [])
+
+
+@app.command
+def init(name: str = "mission") -> int:
+    """Write a commented mission to start from.
+
+    Args:
+        name: of the mission; the file is NAME.yaml, which must not exist
+    """
+    from crosstrack.cli import verbs
+
+    return verbs.init(name)
+
+
+@app.command(name="list")
+def list_parts() -> int:
+    """List what a mission can name, with every field, its default and what it means."""
+    from crosstrack.cli import catalogue
+
+    return catalogue.show()
+
+
+@app.command
+def replay(log: Path, *, out: Path | None = None, json: Switch = False, png: Switch = False) -> int:
+    """Make the summary and the report again from a log alone.
+
+    Args:
+        log: a flight.mcap
+        out: folder for summary.json and report.html; by default the log's
+        json: print the summary on standard output, and nothing else there
+        png: write the report's figures as pictures too
+    """
+    from crosstrack.cli import verbs
+
+    return verbs.replay(log, out, json, png)
+
+
+@app.command
+def export(mission: Path, plan: Path, *, settings: Settings | None = None) -> int:
+    """Write a mission's route and speed as a QGroundControl plan.
+
+    Args:
+        mission: the mission file
+        plan: the file to write, such as out.plan
+        settings: change one value of the mission, such as speed=3; may be given several times
+    """
+    from crosstrack.cli import verbs
+
+    return verbs.export(mission, plan, settings or [])
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command and exit with its code."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command and return its exit code; what is wrong with the input is said on standard error."""
+    try:
+        result = app(list(arguments), exit_on_error=False, print_error=False, result_action="return_value")
+    except CycloptsError as error:
+        return complain(f"{error}\nTry: crosstrack --help", BAD_INPUT)
+    except InputError as error:
+        return complain(str(error), BAD_INPUT)
+    except LinkLost as error:
+        return complain(str(error), LINK_LOST)
+    except KeyboardInterrupt:
+        return complain("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()  # whoever read the output is gone: nothing to say, and no one to say it to
+        return DONE
+    except OSError as error:
+        name = f"{error.filename}: " if error.filename else ""
+        return complain(f"{name}{error.strerror or error}", BAD_INPUT)
+    return result if isinstance(result, int) else DONE
+
+
+def complain(message: str, code: int) -> int:
+    """Say what went wrong and return the exit code."""
+    print(message, file=sys.stderr)
+    return code

@@ -1,0 +1,132 @@
+"""What the verbs of the command do."""
+
+import json
+import sys
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from crosstrack import mission as missions
+from crosstrack.cli.watch import Interrupt, Progress, say
+from crosstrack.errors import InputError, Problem
+from crosstrack.flight import loop
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.log import LogWriter
+from crosstrack.flight.metrics import summary
+from crosstrack.flight.recording import read_log
+from crosstrack.mission.check import remarks
+from crosstrack.mission.load import dump
+from crosstrack.types import Outcome
+
+CODES = {Outcome.ARRIVED: 0, Outcome.COLLIDED: 4, Outcome.LINK_LOST: 5, Outcome.INTERRUPTED: 130}
+NOT_ARRIVED = 3
+LOG, SUMMARY, REPORT = "flight.mcap", "summary.json", "report.html"
+SHOWN = {
+    "flight_time_s": "flight time, s",
+    "ideal_time_s": "planned time, s",
+    "cross_track_rms_m": "cross-track error RMS, m",
+    "cross_track_max_m": "cross-track error max, m",
+    "final_error_m": "distance to the last point, m",
+    "min_clearance_m": "least clearance, m",
+    "max_speed_mps": "top speed, m/s",
+}
+
+
+def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, png: bool) -> int:
+    """Fly a mission and write what it leaves behind."""
+    say("Getting ready; the first run compiles for some seconds ...")
+    mission = missions.load(file, settings)
+    plan = mission.build()
+    for remark in remarks(mission):
+        say(f"note: {remark}")
+    folder = emptied(out or Path("runs") / plan.name)
+    loop.warm_up(plan)
+    with Interrupt() as interrupt:
+        flight = loop.fly(plan, [LogWriter(folder / LOG), Progress(plan), interrupt])
+    write(flight, folder, png)
+    tell(flight, folder, as_json)
+    return CODES.get(flight.outcome, NOT_ARRIVED)
+
+
+def emptied(folder: Path) -> Path:
+    """Make a folder, without the results of an earlier flight."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in (LOG, SUMMARY, REPORT):
+        (folder / name).unlink(missing_ok=True)
+    return folder
+
+
+def write(flight: Flight, folder: Path, png: bool) -> None:
+    """Write the summary, the report and, where asked, the pictures of a flight."""
+    from crosstrack.show.report import report
+
+    (folder / SUMMARY).write_text(json.dumps(summary(flight), indent=2) + "\n", encoding="utf-8")
+    report([flight], folder / REPORT)
+    if png:
+        from crosstrack.show.pictures import pictures
+
+        pictures(flight, folder)
+
+
+def tell(flight: Flight, folder: Path, as_json: bool) -> None:
+    """Print the summary of a flight."""
+    numbers = summary(flight)
+    if as_json:
+        print(json.dumps(numbers, indent=2))
+        return
+    print(flight.outcome.value)
+    for name, label in SHOWN.items():
+        if numbers[name] is not None:
+            print(f"  {label:<32}{numbers[name]:10.3f}")
+    print(f"Report: {folder / REPORT}")
+
+
+def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
+    """Print a resolved mission, or the schema of missions."""
+    if schema:
+        print(json.dumps(missions.schema(), indent=2))
+        return 0
+    if file is None:
+        raise InputError("check", [Problem("FILE", "name a mission file, or give --schema")])
+    mission = missions.load(file, settings)
+    plan = mission.build()
+    sys.stdout.write(dump(mission.document()))
+    for remark in remarks(mission):
+        say(f"note: {remark}")
+    say(f"{file}: fine. {plan.route.length:.1f} m long, planned for {plan.course.speed.duration:.1f} s.")
+    return 0
+
+
+def init(name: str) -> int:
+    """Write a mission to start from."""
+    path = Path(f"{name.removesuffix('.yaml')}.yaml")
+    template = files("crosstrack.mission").joinpath("template.yaml").read_text(encoding="utf-8")
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(template)
+    except FileExistsError:
+        raise InputError("init", [Problem(str(path), "exists already and is not overwritten")]) from None
+    print(f"Wrote {path}. Fly it: crosstrack fly {path}")
+    return 0
+
+
+def replay(log: Path, out: Path | None, as_json: bool, png: bool) -> int:
+    """Make the summary and the report again from a log."""
+    recording = read_log(log)
+    plan = missions.from_document(recording.document, recording.files).build()
+    outcome = recording.outcome
+    if outcome is None:
+        say("note: the log ends before the flight did")
+    flight = Flight(plan, outcome or Outcome.INTERRUPTED, recording.record, recording.wall_time or 0.0)
+    folder = out or log.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    write(flight, folder, png)
+    tell(flight, folder, as_json)
+    return 0
+
+
+def export(file: Path, plan: Path, settings: Sequence[str]) -> int:
+    """Write a mission as a plan."""
+    missions.export_plan(missions.load(file, settings), plan)
+    print(f"Wrote {plan}.")
+    return 0

@@ -1,0 +1,163 @@
+"""What the schema cannot see: how the fields of a mission fit each other and the world."""
+
+from collections.abc import Callable, Collection, Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crosstrack.errors import InputError, Problem
+from crosstrack.mission.complaints import faults_of
+from crosstrack.mission.text import Document, Place, show
+from crosstrack.mission.values import sound
+from crosstrack.types import Array
+
+if TYPE_CHECKING:
+    from crosstrack.mission.mission import Mission
+
+Faults = Iterator[tuple[Place, str]]
+
+
+def faults(mission: "Mission", broken: Collection[str] = ()) -> Faults:
+    """Yield everything that does not fit, with its place.
+
+    A check is left out where one of the fields that it reads is broken, or was found wrong before.
+    """
+    ruined = set(broken)
+    for needs, check in CHECKS:
+        if ruined.isdisjoint(needs):
+            found = list(check(mission))
+            ruined |= {str(place[0]) for place, _ in found}
+            yield from found
+
+
+def assure(mission: "Mission") -> None:
+    """Check a mission that was made in Python rather than read.
+
+    Raises:
+        InputError: everything that is wrong with it.
+    """
+    found: list[Problem] = []
+    document = Document(str(mission.name), sound(mission.document(), found))
+    found += faults_of(document)
+    if not found:
+        found = [Problem(show(place), message) for place, message in faults(mission)]
+    if found:
+        raise InputError(document.source, found)
+
+
+def speed_is_allowed(mission: "Mission") -> Faults:
+    """Compare the cruise speed with its limit."""
+    if mission.speed > mission.limits.speed:
+        yield ("speed",), f"{mission.speed:g} m/s is above limits.speed, {mission.limits.speed:g} m/s"
+
+
+def points_are_alike(mission: "Mission") -> Faults:
+    """Find points of another dimension than the first."""
+    if isinstance(mission.route, str):
+        return
+    first = len(mission.route[0])
+    for index, point in enumerate(mission.route):
+        if len(point) != first:
+            yield (
+                ("route", index),
+                f"has {len(point)} coordinates, route[0] has {first}: give all of them 2, or all 3",
+            )
+
+
+def route_is_read(mission: "Mission") -> Faults:
+    """Read the `.plan` file."""
+    try:
+        _ = mission.survey
+    except InputError as error:
+        yield from ((("route",), f"{error.source}: {problem}") for problem in error.problems)
+
+
+def world_is_built(mission: "Mission") -> Faults:
+    """Read the world's files and make its obstacles."""
+    try:
+        _ = mission.obstacles
+    except InputError as error:
+        yield from ((("world",), f"{error.source}: {problem}") for problem in error.problems)
+
+
+def route_leads_somewhere(mission: "Mission") -> Faults:
+    """Ask for two distinct points."""
+    points = mission.points
+    if np.ptp(points, axis=0).max() == 0.0:
+        where = "the start and its points" if mission.start.on_route else "its points"
+        yield ("route",), f"needs at least 2 distinct points, but {where} all lie at {_write(points[0])}"
+
+
+def start_is_sound(mission: "Mission") -> Faults:
+    """Check the start against ground, bounds and obstacles."""
+    start = mission.enu.start
+    place: Place = ("start", "position")
+    above = start.position[2] - mission.enu.world.ground
+    if start.takeoff and above <= 0.0:
+        yield place, f"is {-above:g} m below the ground: a takeoff climbs to it, so it must be above"
+    for point in {tuple(start.position), tuple(mission.launch)}:
+        yield from ((place, message) for message in _point_faults(mission, np.array([point]))[0])
+
+
+def route_is_clear(mission: "Mission") -> Faults:
+    """Check every point of the route against ground, bounds and obstacles."""
+    for index, messages in enumerate(_point_faults(mission, mission.waypoints)):
+        place: Place = ("route",) if mission.survey else ("route", index)
+        label = f"point {index} of {mission.route} " if mission.survey else ""
+        yield from ((place, label + message) for message in messages)
+
+
+def _point_faults(mission: "Mission", points: Array) -> list[list[str]]:
+    """Return what is wrong with each of some points (n, 3), at most 20 points' worth."""
+    world, radius = mission.obstacles, mission.vehicle.radius
+    clearance = world.distance(points)
+    low, high = world.bounds if world.bounds is not None else (np.full(3, -np.inf), np.full(3, np.inf))
+    outside = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
+    deep = world.ground - points[:, 2]
+    found: list[list[str]] = [[] for _ in points]
+    wrong = np.flatnonzero((clearance < radius) | (outside > 0) | (deep > 0))
+    for index in wrong[:20]:
+        where = _write(points[index])
+        if outside[index] > 0:
+            found[index].append(f"{where} lies {outside[index]:.3g} m outside world.bounds")
+        if deep[index] > 0:
+            found[index].append(f"{where} lies {deep[index]:.3g} m below the ground")
+        if clearance[index] < radius:
+            found[index].append(_too_close(where, float(clearance[index]), radius))
+    return found
+
+
+def _too_close(where: str, clearance: float, radius: float) -> str:
+    near = f"{clearance:.3g} m from" if clearance >= 0 else f"{-clearance:.3g} m inside"
+    return f"{where} lies {near} an obstacle; at least vehicle.radius, {radius:g} m, is needed"
+
+
+def _write(point: Array) -> str:
+    return "(" + ", ".join(f"{value:g}" for value in point) + ")"
+
+
+CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
+    (frozenset({"speed", "limits"}), speed_is_allowed),
+    (frozenset({"route"}), points_are_alike),
+    (frozenset({"route", "origin"}), route_is_read),
+    (frozenset({"world", "frame"}), world_is_built),
+    (frozenset({"start", "route", "origin", "frame", "world", "loop"}), route_leads_somewhere),
+    (frozenset({"start", "frame", "world", "vehicle"}), start_is_sound),
+    (frozenset({"start", "route", "origin", "frame", "world", "vehicle"}), route_is_clear),
+)
+
+
+def remarks(mission: "Mission") -> list[str]:
+    """Say what of the `.plan` file is not flown, and which legs of the route are too close to an obstacle."""
+    points, world, radius = mission.points, mission.obstacles, mission.vehicle.radius
+    legs = pairwise(points)
+    close = [(a, b, least) for a, b in legs if (least := world.swept(a, b)) < radius]
+    return [
+        *(f"{mission.route}: {remark}" for remark in (mission.survey.remarks if mission.survey else ())),
+        *(
+            f"the leg from {_write(a)} to {_write(b)} passes an obstacle at {least:.2f} m, "
+            f"nearer than vehicle.radius, {radius:g} m"
+            for a, b, least in close[:10]
+        ),
+    ]

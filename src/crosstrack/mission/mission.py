@@ -1,0 +1,145 @@
+"""A mission: what its file says, and what follows from it."""
+
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosstrack.flight.plan import Plan
+from crosstrack.follow.course import plan_course
+from crosstrack.frames import Origin
+from crosstrack.mission.check import assure
+from crosstrack.mission.convert import in_enu
+from crosstrack.mission.document import plain
+from crosstrack.mission.qgroundcontrol import PlanFile, read_plan
+from crosstrack.mission.schema import MissionFile
+from crosstrack.path.polyline import Polyline
+from crosstrack.protocols import Scenario
+from crosstrack.registry import find
+from crosstrack.types import Array
+from crosstrack.world.files import Files, read
+from crosstrack.world.world import World
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mission(MissionFile):
+    """A mission as its file says it, read from a folder.
+
+    Example:
+        >>> import crosstrack as ct
+        >>> mission = ct.Mission(start=ct.Start((0, 0, 10)), route=((20, 0), (20, 20)))
+        >>> mission.build().route.length
+        40.0
+    """
+
+    files: Files = field(default=Path(), compare=False, repr=False)
+    """the folder that the names of files start from, or the contents of the files by name"""
+
+    def document(self) -> dict[str, Any]:
+        """Return everything the mission says, defaults included, as JSON has it."""
+        document: dict[str, Any] = plain(replace(self, files={}))
+        del document["files"]
+        return document
+
+    @cached_property
+    def enu(self) -> MissionFile:
+        """The same mission in the library's own frame."""
+        return in_enu(self)
+
+    @cached_property
+    def survey(self) -> PlanFile | None:
+        """What the route's `.plan` file holds; None where the route is points."""
+        if not isinstance(self.route, str):
+            return None
+        return read_plan(self.route, read(self.files, self.route), self.origin)
+
+    @cached_property
+    def obstacles(self) -> World:
+        """The world, built.
+
+        Raises:
+            InputError: one of its files is missing or wrong.
+        """
+        return self.enu.world.build(self.files)
+
+    @property
+    def place(self) -> Origin:
+        """WGS84 place of the local (0, 0, 0)."""
+        return self.origin or (self.survey.home if self.survey else None) or Origin()
+
+    @property
+    def names(self) -> list[str]:
+        """The files that the mission names."""
+        return [*([self.route] if isinstance(self.route, str) else []), *self.world.files()]
+
+    @cached_property
+    def waypoints(self) -> Array:
+        """The route's own points in the library's frame, (n, 3) m."""
+        if self.survey is not None:
+            return self.survey.points
+        height = self.enu.start.position[2]
+        return np.array([(*point, height)[:3] for point in self.enu.route], float)
+
+    @cached_property
+    def points(self) -> Array:
+        """The whole route, from where it begins to where it ends, (n, 3) m."""
+        start = self.enu.start
+        above = [np.array(start.position)] if start.on_route else []
+        below = [self.launch] if start.on_route and start.takeoff else []
+        closed = [(above or [self.waypoints[0]])[0]] if self.loop else []
+        return np.array([*below, *above, *self.waypoints, *closed])
+
+    @property
+    def launch(self) -> Array:
+        """Where the vehicle starts, (3,) m."""
+        start = self.enu.start
+        return np.array([*start.position[:2], self.enu.world.ground if start.takeoff else start.position[2]])
+
+    def with_vehicle(self, kind: str) -> "Mission":
+        """Return the mission flown by another kind of vehicle, which keeps the fields that both kinds have.
+
+        Raises:
+            InputError: no such vehicle.
+        """
+        vehicle = find("vehicle", kind)
+        common = {f.name for f in fields(vehicle)} & {f.name for f in fields(self.vehicle)}
+        return replace(self, vehicle=vehicle(**{name: getattr(self.vehicle, name) for name in common}))
+
+    def build(self) -> Plan:
+        """Return the mission as objects, ready to fly.
+
+        Raises:
+            InputError: everything that is wrong with the mission.
+        """
+        assure(self)
+        scenario = self.scenario()
+        route = Polyline(self.points)
+        return Plan(
+            name=self.name,
+            document=self.document(),
+            route=route,
+            course=plan_course(route, self.tolerance, self.speed, self.vehicle.envelope(scenario)),
+            vehicle=self.vehicle,
+            tracker=self.tracker,
+            scenario=scenario,
+            timeout=self.timing.timeout,
+            avoiders=self.avoid,
+            files={name: read(self.files, name) for name in self.names},
+        )
+
+    def scenario(self) -> Scenario:
+        """Return what the vehicle is launched into."""
+        return Scenario(
+            position=self.launch,
+            yaw=self.enu.start.yaw,
+            world=self.obstacles,
+            cruise=self.speed,
+            limits=self.limits,
+            wind=self.enu.wind,
+            air=self.air,
+            noise=self.noise,
+            period=1 / self.timing.rate,
+            seed=self.seed,
+        )
