@@ -21,6 +21,18 @@ settings.register_profile("crosstrack", deadline=None, derandomize="CI" in os.en
 settings.load_profile("crosstrack")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--fail-on-skip", action="store_true", help="let the run fail if any test was skipped")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if reporter and session.config.getoption("fail_on_skip") and reporter.stats.get("skipped"):
+        reporter.write_line("some tests were skipped, and --fail-on-skip was given", red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
 @dataclass(frozen=True)
 class Steady:
     """The same speed everywhere."""

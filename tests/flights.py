@@ -15,6 +15,8 @@ from crosstrack.protocols import Scenario
 from crosstrack.types import Air, Array, Limits, Noise, Outcome, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
 
+LIMITS, CALM, EXACT, STANDARD = Limits(), Wind(), Noise(), Air()
+
 
 class OpenSky:
     """A world without obstacles."""
@@ -42,10 +44,10 @@ def plan_for(
     start: tuple[float, float, float] | None = None,
     yaw: float = 0.0,
     world: Any = None,
-    limits: Limits = Limits(),
-    wind: Wind = Wind(),
-    noise: Noise = Noise(),
-    air: Air = Air(),
+    limits: Limits = LIMITS,
+    wind: Wind = CALM,
+    noise: Noise = EXACT,
+    air: Air = STANDARD,
     rate: float = 50.0,
     timeout: float = 300.0,
     closed: bool = False,

@@ -86,5 +86,5 @@ def test_random_paths_are_flown_to_their_end(points: list[list[float]], speed: f
     assert report.outcome is Outcome.ARRIVED
     assert np.isfinite(report.position).all()
     assert report.end_error <= 0.2
-    assert report.error.max() <= max(tolerance, 0.4)
+    assert report.error.max() <= max(1.05 * tolerance, 0.4)
     assert report.time[-1] <= 1.5 * report.flight.plan.course.speed.duration + 3

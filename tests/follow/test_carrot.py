@@ -26,9 +26,7 @@ def test_on_a_straight_leg_it_flies_towards_the_carrot(y: float, z: float, looka
     command, memory = law.step(law.start(plan.course, here), plan.course, here, 0.02)
     to_carrot = np.array([x + lookahead, 0, 10]) - here.position
     np.testing.assert_allclose(memory.aim, [x + lookahead, 0, 10], atol=1e-9)
-    np.testing.assert_allclose(
-        np.array(command.velocity) / 5, to_carrot / np.linalg.norm(to_carrot), atol=1e-9
-    )  # type: ignore[union-attr]
+    np.testing.assert_allclose(np.array(command.velocity) / 5, to_carrot / np.linalg.norm(to_carrot), atol=1e-9)
 
 
 @pytest.mark.parametrize("angle", np.arange(0, 360, 15))
@@ -83,7 +81,7 @@ def test_the_cross_track_gain_pulls_along_the_normal_of_the_path(direction: tupl
     for gain in (0.0, 2.0):
         law = Carrot(cross_track_gain=gain, heading_gain=0.0)
         command, _ = law.step(law.start(plan.course, here), plan.course, here, 0.02)
-        pushes.append(np.array(command.acceleration))  # type: ignore[union-attr]
+        pushes.append(np.array(command.acceleration))
     np.testing.assert_allclose(pushes[1] - pushes[0], -2.0 * 0.5 * across, atol=1e-9)
 
 

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosstrack.follow.speed import SETTLING, profile
+from crosstrack.follow.speed import SETTLING, SpeedProfile, profile
 
 
-def straight(length: float, limit: float, acceleration: float) -> tuple[np.ndarray, ...]:
-    return np.array([length]), np.array([limit]), np.array([np.inf, np.inf]), np.array([acceleration])
+def straight(length: float, limit: float, acceleration: float) -> SpeedProfile:
+    return profile(np.array([length]), np.array([limit]), np.array([np.inf, np.inf]), np.array([acceleration]))
 
 
 def test_a_straight_leg_is_a_trapezoid() -> None:
-    speed = profile(*straight(100.0, 5.0, 2.0))
+    speed = straight(100.0, 5.0, 2.0)
     settle = 2.0 / SETTLING**2
     top = SETTLING * settle
     # From 0 to 5 and from 5 down to the settling speed at 2 m/s², cruise between.
@@ -29,7 +29,7 @@ def test_a_straight_leg_is_a_trapezoid() -> None:
 
 
 def test_duration_is_the_integral_of_the_pace() -> None:
-    speed = profile(*straight(30.0, 8.0, 3.0))
+    speed = straight(30.0, 8.0, 3.0)
     s = np.linspace(0, 30, 2_000_001)
     middle = (s[1:] + s[:-1]) / 2
     assert speed.duration == pytest.approx(float(np.sum(np.diff(s) / speed(middle))), rel=1e-3)

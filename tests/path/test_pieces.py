@@ -1,6 +1,7 @@
 """Lines and arcs: differential geometry, projection against brute force, and tracks that cross, close and turn back."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from crosstrack.types import Array
 
 coordinate = st.floats(-20, 20).map(lambda x: round(x, 3))
 corners = st.lists(st.tuples(coordinate, coordinate, coordinate), min_size=3, max_size=12).filter(
-    lambda points: all(math.dist(a, b) > 0.5 for a, b in zip(points, points[1:], strict=False))
+    lambda points: all(math.dist(a, b) > 0.5 for a, b in pairwise(points))
 )
 
 

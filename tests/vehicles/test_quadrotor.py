@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +16,9 @@ from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
 HERE = [[0, 0, 10], [50, 0, 10]]
 
 
-def launched(airframe: str = "generic", height: float = 10.0, **options: object) -> QuadrotorSession:
-    plan = plan_for([[0, 0, height], [50, 0, height]], vehicle=Quadrotor(airframe), **options)  # type: ignore[arg-type]
-    return Quadrotor(airframe).launch(plan.scenario)  # type: ignore[arg-type]
+def launched(airframe: Any = "generic", height: float = 10.0, **options: Any) -> QuadrotorSession:
+    vehicle = Quadrotor(airframe)
+    return vehicle.launch(plan_for([[0, 0, height], [50, 0, height]], vehicle=vehicle, **options).scenario)
 
 
 def tilt(session: QuadrotorSession) -> float:

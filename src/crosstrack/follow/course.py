@@ -50,7 +50,9 @@ def plan_course(
         limits = np.minimum(speed, envelope.speed_vertical / steepness(path))
         limits = np.minimum(limits, np.sqrt(accelerations / path.curvatures))
     corners = cusp_speeds(path, accelerations, CUSP * tolerance)
-    return Course(path, profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time), envelope, entry)
+    return Course(
+        path, profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time), envelope, entry
+    )
 
 
 def possible(path: Pieces, envelope: Envelope) -> Array:

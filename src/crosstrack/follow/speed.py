@@ -42,9 +42,7 @@ class SpeedProfile:
         return float(np.sum(2 * np.diff(self.knots) / (self.speeds[1:] + self.speeds[:-1])))
 
 
-def profile(
-    lengths: Array, limits: Array, corners: Array, accelerations: Array, swing: float = 0.0
-) -> SpeedProfile:
+def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array, swing: float = 0.0) -> SpeedProfile:
     """Make the fastest speed profile over the pieces of a path (Bobrow, Dubowsky, Gibson 1985, on a piecewise bound).
 
     It starts from rest and ends at rest; over the last a / SETTLING² metres the speed is at most SETTLING times the

@@ -189,12 +189,13 @@ class _Reader:
 
     def altitude(self, place: str, frame: Any, height: float) -> float:
         """Return metres above sea level."""
+        frame = frame if isinstance(frame, int) else repr(frame)
         if frame in SEA_LEVEL:
             return height
         if frame in TERRAIN:
             self.note(place, "the terrain is taken to be flat, at the home's altitude")
         elif frame not in RELATIVE:
-            self.complain(place, f"frame {frame!r:.20} is unknown; allowed: 0 (sea level), 3 (home), 10 (terrain)")
+            self.complain(place, f"frame {frame!s:.20} is unknown; allowed: 0 (sea level), 3 (home), 10 (terrain)")
         return self.home[2] + height
 
     def come_down(self, where: tuple[float, float, float]) -> None:
