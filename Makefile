@@ -6,7 +6,7 @@ JOBS ?= 2
 
 export PYTEST_ADDOPTS
 
-.PHONY: demo test test-slow bench lint clean
+.PHONY: demo test test-slow bench pictures lint clean
 
 demo: $(VENV)/installed
 	$(BIN)/crosstrack fly examples/demo.yaml --out runs/demo --png
@@ -19,6 +19,14 @@ test-slow: $(VENV)/installed-test
 
 bench: $(VENV)/installed-test
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+
+# The pictures of the documentation.
+pictures: $(VENV)/installed
+	for name in demo article_four_points airsim_path_10; do \
+		$(BIN)/crosstrack fly examples/$$name.yaml --out runs/$$name --png || exit 1; done
+	cp runs/demo/space.png docs/pictures/demo.png
+	cp runs/article_four_points/plan.png docs/pictures/article_four_points.png
+	cp runs/airsim_path_10/plan.png docs/pictures/airsim_path_10.png
 
 lint: $(VENV)/installed-test
 	$(BIN)/ruff check

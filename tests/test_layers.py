@@ -13,7 +13,7 @@ import crosstrack
 ROOT = Path(crosstrack.__file__).parent
 BASE = {"types", "protocols", "errors", "frames", "compiled", "registry"}
 ROLES = {"world", "path", "follow", "avoid", "sim", "vehicles"}
-EDGES = {("vehicles", "sim"), ("sim", "world"), ("path", "world"), ("follow", "path")}
+EDGES = {("vehicles", "sim"), ("follow", "path")}
 ABOVE = ["flight", "mission", "show", "cli"]
 """each may import all before it, the roles and the base"""
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import cross_track, measure, summary, tilt
+from crosstrack.flight.metrics import tilt
+from crosstrack.flight.summary import summary
 from crosstrack.types import Array, Outcome
 
 Fly = Callable[..., Flight]
@@ -31,7 +32,7 @@ def along_line(fly: Fly, time: Array, y: Array, z: Array | float = 0.0) -> Fligh
 
 def test_helix_around_a_line(fly_along: Fly) -> None:
     time = np.arange(0, 20.001, 0.02)
-    metrics = measure(along_line(fly_along, time, 0.7 * np.cos(2 * time), 0.7 * np.sin(2 * time)))
+    metrics = along_line(fly_along, time, 0.7 * np.cos(2 * time), 0.7 * np.sin(2 * time)).metrics
     assert metrics.cross_track_rms_m == pytest.approx(0.7, abs=1e-9)
     assert metrics.cross_track_max_m == pytest.approx(0.7, abs=1e-9)
     assert metrics.cross_track_rms_captured_m is None
@@ -44,7 +45,7 @@ def test_helix_around_a_line(fly_along: Fly) -> None:
 
 def test_swing_about_a_line(fly_along: Fly) -> None:
     time = np.linspace(0, 4 * np.pi, 2001)
-    metrics = measure(along_line(fly_along, time, 0.3 * np.sin(time)))
+    metrics = along_line(fly_along, time, 0.3 * np.sin(time)).metrics
     assert metrics.cross_track_rms_m == pytest.approx(0.3 / math.sqrt(2), rel=1e-5)
     assert metrics.cross_track_max_m == pytest.approx(0.3, rel=1e-5)
 
@@ -53,7 +54,7 @@ def test_circle_flown_beside_a_circle(fly_along: Fly) -> None:
     turn = np.linspace(0, 2 * np.pi, 3601)
     route = np.column_stack([10 * np.cos(turn), 10 * np.sin(turn), 0 * turn])
     flight = fly_along(route, 3 * turn, 1.05 * route, 10 * turn)
-    metrics = measure(flight)
+    metrics = flight.metrics
     assert metrics.cross_track_rms_m == pytest.approx(0.5, abs=1e-4)
     assert metrics.path_length_m == pytest.approx(20 * np.pi, rel=1e-5)
     assert metrics.flown_length_m == pytest.approx(21 * np.pi, rel=1e-5)
@@ -62,13 +63,13 @@ def test_circle_flown_beside_a_circle(fly_along: Fly) -> None:
 def test_means_weigh_time_and_not_samples(fly_along: Fly) -> None:
     time = np.concatenate([np.linspace(0, 10, 5001), np.linspace(10, 20, 101)[1:]])
     offset = np.where(time <= 10, 0.0, 0.4)
-    metrics = measure(along_line(fly_along, time, offset))
+    metrics = along_line(fly_along, time, offset).metrics
     assert metrics.cross_track_rms_m == pytest.approx(0.4 / math.sqrt(2), rel=0.01)
 
 
 def test_captured_from_the_first_time_under_five_centimetres(fly_along: Fly) -> None:
     time, decay = np.arange(0, 20.0005, 0.001), 2.0
-    metrics = measure(along_line(fly_along, time, 3.0 * np.exp(-time / decay)))
+    metrics = along_line(fly_along, time, 3.0 * np.exp(-time / decay)).metrics
     captured = decay * math.log(3.0 / 0.05)
     assert metrics.captured_time_s == pytest.approx(captured, abs=0.002)
     rest = 20.0 - captured
@@ -93,7 +94,7 @@ def test_error_is_to_the_part_of_the_route_being_flown(fly_along: Fly, route: An
     position = np.column_stack([np.interp(4 * time, knots, np.array(route, float)[:, axis]) for axis in range(3)])
     flight = fly_along(route, time, position + [0, 0, 0.25], 4 * time)
     level = np.ptp(np.array(route)[:, 2]) == 0
-    error = cross_track(flight)
+    error = flight.cross_track
     if level:
         np.testing.assert_allclose(error, 0.25, atol=1e-9)
     assert error.max() < 0.25 + 1e-9
@@ -111,7 +112,7 @@ def test_acceleration_and_jerk_of_a_cubic(fly_along: Fly) -> None:
     time = np.arange(0, 4.001, 0.02)
     flight = fly_along(LINE, time, np.column_stack([0.5 * time**3, 0 * time, 0 * time + 5]), 0.5 * time**3)
     velocity = np.column_stack([1.5 * time**2, 0 * time, 0 * time])
-    metrics = measure(replace(flight, record=replace(flight.record, velocity=velocity)))
+    metrics = replace(flight, record=replace(flight.record, velocity=velocity)).metrics
     assert metrics.rms_jerk_mps3 == pytest.approx(3.0, rel=1e-6)
     assert metrics.max_acceleration_mps2 == pytest.approx(3.0 * 3.99, rel=1e-6)
     assert metrics.max_speed_mps == pytest.approx(24.0)
@@ -123,7 +124,7 @@ def test_effort_airspeed_and_clearance(fly_along: Fly) -> None:
     flight = along_line(fly_along, time, 0 * time)
     rotor = 500 + np.outer(30 * np.sin(time), [1, -1, 1, -1])
     record = replace(flight.record, rotor_speeds=rotor, clearance=3 - np.sin(time))
-    metrics = measure(replace(flight, record=record))
+    metrics = replace(flight, record=record).metrics
     assert metrics.control_effort_radps == pytest.approx(30 / math.sqrt(2), rel=1e-5)
     assert metrics.max_airspeed_mps == pytest.approx(math.hypot(4.0, 0.5))
     assert metrics.min_clearance_m == pytest.approx(2.0, abs=1e-5)

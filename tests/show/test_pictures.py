@@ -8,7 +8,6 @@ from mpl_toolkits.mplot3d import Axes3D
 from PIL import Image
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import cross_track
 from crosstrack.flight.scene import scene
 from crosstrack.show.panels import panels
 from crosstrack.show.pictures import pictures, plan_view, space, times
@@ -40,7 +39,7 @@ def test_plan_view_shows_the_flight_with_equal_axes(flight: Flight) -> None:
 
 
 def test_view_in_space_has_equal_axes(flight: Flight) -> None:
-    figure = space(flight, scene(flight.plan), cross_track(flight))
+    figure = space(flight, scene(flight.plan), flight.cross_track)
     (axes,) = [axes for axes in figure.axes if isinstance(axes, Axes3D)]
     sides = np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1)
     np.testing.assert_allclose(axes._box_aspect / axes._box_aspect[0], sides / sides[0])
@@ -48,7 +47,7 @@ def test_view_in_space_has_equal_axes(flight: Flight) -> None:
 
 def test_panels_name_their_units_and_nothing_is_cut_off(fly_square: Callable[..., Flight]) -> None:
     flight = fly_square()
-    shown = panels(flight, cross_track(flight))
+    shown = panels(flight, flight.cross_track)
     figure = times(flight, shown)
     figure.draw_without_rendering()
     width, height = figure.get_size_inches() * figure.dpi

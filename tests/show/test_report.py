@@ -12,8 +12,9 @@ import pytest
 import yaml
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import Metrics, cross_track, summary
+from crosstrack.flight.metrics import Metrics
 from crosstrack.flight.scene import Scene, scene
+from crosstrack.flight.summary import summary
 from crosstrack.show.extent import extent
 from crosstrack.show.figures import packed
 from crosstrack.show.footprint import footprint
@@ -155,7 +156,7 @@ def test_panels_without_rotors_wind_or_obstacles(flight: Flight) -> None:
         wind=np.zeros((count, 3)),
         clearance=np.full(count, np.inf),
     )
-    shown = panels(replace(flight, record=bare), cross_track(flight))
+    shown = panels(replace(flight, record=bare), flight.cross_track)
     assert [panel.title for panel in shown] == ["Cross-track error", "Speed", "Height", "Tilt"]
 
 

@@ -12,8 +12,8 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.flight import loop
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.log import LogWriter
-from crosstrack.flight.metrics import summary
 from crosstrack.flight.recording import read_log
+from crosstrack.flight.summary import summary
 from crosstrack.mission.check import remarks
 from crosstrack.mission.load import dump
 from crosstrack.types import Outcome

@@ -1,41 +1,12 @@
 """What a flight leaves behind."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
+from crosstrack.flight.metrics import Metrics, cross_track, measure
 from crosstrack.flight.plan import Plan
+from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
-
-
-@dataclass(frozen=True)
-class Record:
-    """The samples of a flight, one row at the start and one after every command: n rows."""
-
-    time: Array
-    """(n,) s"""
-    position: Array
-    """(n, 3) m, true"""
-    velocity: Array
-    """(n, 3) m/s, true"""
-    attitude: Array
-    """(n, 4) xyzw, true"""
-    rate: Array
-    """(n, 3) rad/s, true, body"""
-    rotor_speeds: Array
-    """(n, rotors) rad/s"""
-    estimate: Array
-    """(n, 3) m, position as the tracker saw it"""
-    command_velocity: Array
-    """(n, 3) m/s, velocity asked for until this row; NaN where left to the vehicle"""
-    command_acceleration: Array
-    """(n, 3) m/s², acceleration asked for until this row; NaN where left to the vehicle"""
-    aim: Array
-    """(n, 3) m, the point chased until this row"""
-    progress: Array
-    """(n,) m, arc length along the course"""
-    wind: Array
-    """(n, 3) m/s at the vehicle"""
-    clearance: Array
-    """(n,) m, least swept distance to an obstacle since the row before; inf without obstacles"""
 
 
 @dataclass(frozen=True)
@@ -47,3 +18,13 @@ class Flight:
     record: Record
     wall_time: float
     """s, of the machine, spent flying"""
+
+    @cached_property
+    def cross_track(self) -> Array:
+        """(n,) m, distance of every position to the route near the progress; NaN where not finite"""
+        return cross_track(self.plan, self.record)
+
+    @cached_property
+    def metrics(self) -> Metrics:
+        """How well it went, in numbers."""
+        return measure(self.plan, self.outcome, self.record, self.wall_time)

@@ -1,13 +1,14 @@
 """How well a flight went, in numbers."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrack.flight.flight import Flight, Record
+from crosstrack.flight.plan import Plan
+from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
 
 CAPTURED = 0.05
@@ -65,57 +66,44 @@ class Metrics:
     """s, of the machine, spent flying"""
 
 
-def measure(flight: Flight) -> Metrics:
+def measure(plan: Plan, outcome: Outcome, record: Record, wall_time: float) -> Metrics:
     """Measure a flight over the samples whose state is finite."""
-    record = flight.record
     time, speed = record.time, np.linalg.norm(record.velocity, axis=1)
-    error = cross_track(flight)
+    error = cross_track(plan, record)
     known = np.isfinite(error) & np.isfinite(speed)
     duration = float(time[-1] - time[0])
-    ideal = flight.plan.course.speed.duration
+    ideal = plan.course.speed.duration
     last = np.flatnonzero(known)[-1]
     return Metrics(
         flight_time_s=duration,
         ideal_time_s=ideal,
-        time_ratio=duration / ideal if flight.outcome is Outcome.ARRIVED and ideal > 0 else None,
+        time_ratio=duration / ideal if outcome is Outcome.ARRIVED and ideal > 0 else None,
         **_errors(time[known], error[known]),
-        final_error_m=float(np.linalg.norm(record.position[last] - flight.plan.route(flight.plan.route.length))),
+        final_error_m=float(np.linalg.norm(record.position[last] - plan.route(plan.route.length))),
         final_speed_mps=float(speed[last]),
-        min_clearance_m=_finite(float(record.clearance.min())),
-        path_length_m=flight.plan.route.length,
+        min_clearance_m=finite_or_none(float(record.clearance.min())),
+        path_length_m=plan.route.length,
         flown_length_m=float(np.linalg.norm(np.diff(record.position[known], axis=0), axis=1).sum()),
         max_speed_mps=float(speed[known].max()),
         mean_speed_mps=mean(time[known], speed[known]),
         max_tilt_deg=float(np.degrees(tilt(record.attitude[known]).max())),
         control_effort_radps=_effort(record),
-        wall_time_s=flight.wall_time,
+        wall_time_s=wall_time,
         **_motion(record, known),
     )
 
 
-def summary(flight: Flight) -> dict[str, Any]:
-    """Return the outcome and the metrics as JSON has them: null where there is nothing to measure."""
-    metrics = {
-        name: _finite(value) if isinstance(value, float) else value for name, value in asdict(measure(flight)).items()
-    }
-    return {
-        "outcome": flight.outcome.name.lower(),
-        "outcome_text": flight.outcome.value,
-        "arrived": flight.outcome is Outcome.ARRIVED,
-        "collided": flight.outcome is Outcome.COLLIDED,
-    } | metrics
-
-
-def cross_track(flight: Flight) -> Array:
+def cross_track(plan: Plan, record: Record) -> Array:
     """Return the distance from every position to the route near the progress, (n,) m; NaN where not finite.
 
     The progress is that of the position along the route, see `Pieces.trace`: it never goes back, so that routes
     may cross themselves, close or reverse.
     """
-    position = flight.record.position
+    position, route = record.position, plan.route
     finite = np.isfinite(position).all(axis=1)
     error = np.full(len(position), np.nan)
-    error[finite] = flight.plan.route.trace(position[finite])[1]
+    entry = route.project(position[0], 0.0, route.length) if plan.course.entry > 0 else 0.0
+    error[finite] = route.trace(position[finite], entry)[1]
     return error
 
 
@@ -151,7 +139,7 @@ def _motion(record: Record, known: NDArray[np.bool_]) -> dict[str, Any]:
     jerk = np.diff(acceleration, axis=0) / (0.5 * (step[1:] + step[:-1]))[:, None]
     airspeed = np.linalg.norm(velocity - record.wind[known], axis=1)
     return {
-        "max_airspeed_mps": _finite(float(airspeed.max())),
+        "max_airspeed_mps": finite_or_none(float(airspeed.max())),
         "max_acceleration_mps2": float(np.linalg.norm(acceleration, axis=1).max()) if len(step) else None,
         "rms_jerk_mps3": float(np.sqrt((jerk**2).sum(axis=1).mean())) if len(jerk) else None,
     }
@@ -162,8 +150,9 @@ def _effort(record: Record) -> float | None:
     if speeds.shape[1] == 0:
         return None
     about = [(rotor - mean(record.time, rotor)) ** 2 for rotor in speeds.T]
-    return _finite(math.sqrt(mean(record.time, np.mean(about, axis=0))))
+    return finite_or_none(math.sqrt(mean(record.time, np.mean(about, axis=0))))
 
 
-def _finite(value: float) -> float | None:
+def finite_or_none(value: float) -> float | None:
+    """Return a number as JSON can have it."""
     return value if math.isfinite(value) else None

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from crosstrack.flight.flight import Record
 from crosstrack.flight.plan import Plan
+from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
 
 

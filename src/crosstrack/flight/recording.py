@@ -19,7 +19,7 @@ from mcap.writer import MCAP0_MAGIC
 
 from crosstrack.errors import InputError, Problem
 from crosstrack.flight.cdr import constant
-from crosstrack.flight.flight import Record
+from crosstrack.flight.record import Record
 from crosstrack.flight.topics import BODY, TOPICS, Topic, header
 from crosstrack.types import Array, Outcome
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.flight.cdr import Builder
-from crosstrack.flight.flight import Record
+from crosstrack.flight.record import Record
 from crosstrack.types import Array
 
 WORLD = "world"

@@ -59,10 +59,10 @@ def _item(command: int, frame: int, params: list[float | None]) -> dict[str, Any
     return item
 
 
-def export_plan(mission: Mission, path: Path) -> None:
+def export_plan(mission: Mission, path: str | Path) -> None:
     """Write a mission's route and speed as a `.plan` file.
 
     Raises:
         OSError: the file cannot be written.
     """
-    path.write_text(json.dumps(plan_document(mission), indent=4) + "\n", encoding="utf-8")
+    Path(path).write_text(json.dumps(plan_document(mission), indent=4) + "\n", encoding="utf-8")

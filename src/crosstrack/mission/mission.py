@@ -116,11 +116,13 @@ class Mission(MissionFile):
         assure(self)
         scenario = self.scenario()
         route = Polyline(self.points)
+        envelope = self.vehicle.envelope(scenario)
+        joins = None if self.start.on_route else self.launch
         return Plan(
             name=self.name,
             document=self.document(),
             route=route,
-            course=plan_course(route, self.tolerance, self.speed, self.vehicle.envelope(scenario)),
+            course=plan_course(route, self.tolerance, self.speed, envelope, joins),
             vehicle=self.vehicle,
             tracker=self.tracker,
             scenario=scenario,

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import cross_track
 from crosstrack.flight.scene import Scene, scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
@@ -23,7 +22,7 @@ DPI = 130
 STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":"}
 
 
-def pictures(flight: Flight, folder: Path) -> list[Path]:
+def pictures(flight: Flight, folder: str | Path) -> list[Path]:
     """Write the view in space, the view from above and the panels over time; return their paths.
 
     Args:
@@ -33,8 +32,9 @@ def pictures(flight: Flight, folder: Path) -> list[Path]:
     Raises:
         OSError: the folder or a file cannot be written.
     """
+    folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    drawn, error = scene(flight.plan), cross_track(flight)
+    drawn, error = scene(flight.plan), flight.cross_track
     made: dict[str, Callable[[], Figure]] = {
         "space.png": lambda: space(flight, drawn, error),
         "plan.png": lambda: plan_view(flight, drawn),

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import cross_track, summary
 from crosstrack.flight.scene import Scene, scene
+from crosstrack.flight.summary import summary
 from crosstrack.show.figures import View, packed, plan_view, space, times
 from crosstrack.show.panels import panels
 from crosstrack.show.style import PALETTE, SCALE
@@ -44,7 +44,7 @@ class Page:
     """YAML"""
 
 
-def report(flights: Sequence[Flight], path: Path) -> Path:
+def report(flights: Sequence[Flight], path: str | Path) -> Path:
     """Write the report of one or several flights and return its path.
 
     The world, the route and the course are those of the first flight.
@@ -56,7 +56,7 @@ def report(flights: Sequence[Flight], path: Path) -> Path:
     Raises:
         OSError: the file cannot be written.
     """
-    drawn = scene(flights[0].plan)
+    path, drawn = Path(path), scene(flights[0].plan)
     names = [flight.plan.name for flight in flights]
     labels = [f"{index + 1}: {name}" for index, name in enumerate(names)] if len(names) > 1 else names
     views = [view(*each) for each in zip(flights, labels, cycle(PALETTE), strict=False)]
@@ -98,7 +98,7 @@ def page(view: View, numbers: dict[str, Any]) -> Page:
 
 def view(flight: Flight, label: str, color: str) -> View:
     """Return a flight with what is drawn of it."""
-    error = cross_track(flight)
+    error = flight.cross_track
     return View(
         flight=flight,
         label=escape(label),
