@@ -58,8 +58,11 @@ def test_the_square(law: Carrot) -> None:
 
 
 @st.composite
-def paths(draw: st.DrawFn) -> list[list[float]]:
-    """Return a route of any kind: in the plane or in space, open or closed, reversing, dense, with points twice."""
+def missions(draw: st.DrawFn) -> tuple[list[list[float]], float, float]:
+    """Return a route of any kind, a speed and a tolerance.
+
+    Routes lie in the plane or in space, open or closed, reversing, dense, with points twice. Long ones are flown fast.
+    """
     spread = draw(st.sampled_from([0.5, 3.0, 12.0]))
     flat = draw(st.booleans())
     number = st.floats(-spread, spread).map(lambda x: round(x, 2))
@@ -76,15 +79,18 @@ def paths(draw: st.DrawFn) -> list[list[float]]:
         points = np.column_stack(columns).tolist()
     elif kind == "twice":
         points = [p for p in points for _ in range(2)]
-    return [[x, y, z + 30.0] for x, y, z in points]
+    speed = draw(st.sampled_from([2.0, 6.0, 12.0] if spread < 12 else [6.0, 12.0]))
+    tolerance = draw(st.sampled_from([0.05, 0.3, 1.0]))
+    return [[x, y, z + 30.0] for x, y, z in points], speed, tolerance
 
 
 @settings(max_examples=500)
-@given(paths(), st.sampled_from([2.0, 6.0, 12.0]), st.sampled_from([0.05, 0.3, 1.0]))
-def test_random_paths_are_flown_to_their_end(points: list[list[float]], speed: float, tolerance: float) -> None:
+@given(missions())
+def test_random_paths_are_flown_to_their_end(mission: tuple[list[list[float]], float, float]) -> None:
+    points, speed, tolerance = mission
     report = Report(fly(plan_for(points, speed=speed, tolerance=tolerance)))
     assert report.outcome is Outcome.ARRIVED
     assert np.isfinite(report.position).all()
     assert report.end_error <= 0.2
-    assert report.error.max() <= max(1.05 * tolerance, 0.4)
+    assert report.error.max() <= max(tolerance, 0.4)
     assert report.time[-1] <= 1.5 * report.flight.plan.course.speed.duration + 3

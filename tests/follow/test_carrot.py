@@ -1,6 +1,7 @@
 """Carrot chasing: the law on a straight leg, and every flaw of the published code shown not to return."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,7 +45,7 @@ def test_the_turn_is_as_strong_to_either_side() -> None:
     east = np.array([5.0, 0, 0])
     left, right = turn(east, np.array([0, 1.0, 0])), turn(east, np.array([0, -1.0, 0]))
     np.testing.assert_allclose(left, -right)
-    np.testing.assert_allclose(left, [0, math.pi / 2, 0], atol=1e-12)
+    np.testing.assert_allclose(left, [0, 1, 0], atol=1e-12)
     mirrored = [
         flown(LEG, vehicle=Point(), start=(0.0, y, 10.0), tracker=Carrot(heading_gain=5.0)).position for y in (2, -2)
     ]
@@ -58,15 +59,39 @@ def test_heading_errors_are_wrapped(flown_heading: float, asked_heading: float) 
     asked = np.array([math.cos(asked_heading), math.sin(asked_heading), 0])
     error = math.remainder(asked_heading - flown_heading, 2 * math.pi)
     push = turn(velocity, asked)
-    assert np.linalg.norm(push) == pytest.approx(abs(error), abs=1e-6)
+    assert np.linalg.norm(push) == pytest.approx(abs(math.sin(error)), abs=1e-6)
     if 1e-3 < abs(error) < math.pi - 1e-3:
         assert np.cross(velocity, push)[2] * error > 0
     assert push @ velocity == pytest.approx(0, abs=1e-6)
 
 
-def test_a_vehicle_at_rest_turns_nowhere_and_one_flying_back_turns_left() -> None:
+def test_a_vehicle_at_rest_turns_nowhere() -> None:
     assert not turn(np.zeros(3), np.array([1.0, 0, 0])).any()
-    np.testing.assert_allclose(turn(np.array([2.0, 0, 0]), np.array([-1.0, 0, 0])), [0, math.pi, 0])
+
+
+@pytest.mark.parametrize("height", [0.0, 0.3, -0.3])
+def test_turning_back_is_no_climb(height: float) -> None:
+    """The angle between opposite courses lies in any plane; a turn on the spot must not choose the vertical."""
+    plan = plan_for([[0, 0, 10], [10, 0, 10], [0, 0, 10]], start=(10.5, 0.0, 10 + height))
+    law, here = Carrot(), state((10.5, 0, 10 + height), (3.0, 0, 0))
+    memory = replace(law.start(plan.course, here), progress=10.0)
+    command, _ = law.step(memory, plan.course, here, 0.02)
+    assert np.array(command.velocity)[0] < 0
+    assert abs(np.array(command.acceleration)[2]) < 1.0
+
+
+@pytest.mark.parametrize("yaw", [math.pi, math.pi - 1e-12, -3.0])
+@pytest.mark.parametrize("options", [{"acceleration": 8.0}, {"lag": 0.3}])
+def test_a_vehicle_that_starts_backwards_turns_round(yaw: float, options: dict[str, float]) -> None:
+    report = flown([[0, 0, 10], [60, 0, 10]], vehicle=Point(**options), speed=3.0, yaw=yaw)
+    assert report.arrived
+    assert report.error.max() < 4
+
+
+def test_a_speed_below_that_of_holding_a_position_is_kept_to_the_end() -> None:
+    report = flown([[0, 0, 10], [1, 0, 10]], speed=0.05)
+    assert report.arrived
+    assert report.speed.max() < 0.07
 
 
 @pytest.mark.parametrize("direction", [(1, 0, 0), (0, 1, 0), (0, -1, 0), (0.6, 0.8, 0), (0, 0, 1), (0.48, 0.6, 0.64)])

@@ -58,7 +58,7 @@ def test_projection_is_the_closest_point_within_reach(
     assert near - 1e-9 <= s <= near + reach + 1e-9
     spacing = samples[1] - samples[0]
     assert np.linalg.norm(path(s) - point) <= distances.min() + 1e-9
-    assert distances.min() <= np.linalg.norm(path(s) - point) + spacing
+    assert distances.min() <= np.linalg.norm(path(s) - point) + spacing + 1e-9
 
 
 def test_outside_the_ends_the_ends_answer() -> None:
@@ -104,6 +104,16 @@ def test_a_cut_corner_is_followed_around() -> None:
     assert progress[-1] == pytest.approx(20, abs=0.11)
     assert error.max() == pytest.approx(0.5, abs=0.04)
     assert (np.diff(progress) >= 0).all()
+
+
+def test_a_hairpin_cut_short_is_followed_around() -> None:
+    """The way round the tip is long for an error that is small."""
+    path = Polyline([[0, 0], [10, 0], [0, 1.5], [0, 10]])
+    out = [[x, 0, 0] for x in np.arange(0, 7, 0.05)]
+    back = [[x, 0.15 * (10 - x), 0] for x in np.arange(7, 0, -0.05)]
+    progress, error = path.trace(np.array(out + back))
+    assert progress[-1] > 19
+    assert error.max() < 1.5
 
 
 def test_duplicate_and_dense_points_change_nothing() -> None:

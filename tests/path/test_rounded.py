@@ -64,6 +64,16 @@ def test_dense_points_on_a_circle_become_a_circle_as_wide() -> None:
     assert path.length == pytest.approx(20 * math.pi, rel=0.01)
 
 
+@pytest.mark.parametrize("points", [23, 41, 81, 97, 161])
+def test_even_points_on_a_circle_bend_evenly(points: int) -> None:
+    """Dropping some of them would make the curvature come and go."""
+    angle = np.linspace(0, 2 * math.pi, points)
+    path = rounded(np.column_stack([8 * np.cos(angle), 8 * np.sin(angle), 0 * angle]), 0.3, 100.0)
+    bent = path.curvatures[1:-1]
+    np.testing.assert_allclose(bent[bent > 0], 1 / 8, rtol=0.02)
+    assert path.lengths[1:-1][bent == 0].sum() < 0.02 * path.length
+
+
 def test_noise_on_a_straight_line_makes_no_corners() -> None:
     rng = np.random.default_rng(0)
     x = np.arange(0, 50, 0.05)

@@ -96,7 +96,7 @@ def test_position_step_arrives_and_stays(airframe: Airframe) -> None:
 
 @every
 @pytest.mark.parametrize("wind", [(4.0, 0.0, 0.0), (0.0, -3.0, 1.0)])
-def test_integral_holds_position_in_wind(airframe: Airframe, wind: tuple[float, ...]) -> None:
+def test_position_is_held_in_wind(airframe: Airframe, wind: tuple[float, ...]) -> None:
     states = Pilot(airframe, wind=wind).fly(20.0, position=START, yaw=0.0)
     np.testing.assert_allclose(states[-50:, :3], np.broadcast_to(START, (50, 3)), atol=0.02)
 
@@ -177,6 +177,15 @@ def test_takes_off_after_waiting_on_the_ground_and_lands_again(airframe: Airfram
     assert landing[-1, 2] == pytest.approx(airframe.gear, abs=0.01)
     np.testing.assert_allclose(landing[-1, 3:6], 0, atol=0.01)
     assert pilot.rows["impact"][0] < 0.7
+
+
+@every
+def test_braking_hard_costs_no_height(airframe: Airframe) -> None:
+    """The discs of a vehicle that leans back are a sail: a drag that the autopilot must expect, not find out."""
+    pilot = Pilot(airframe)
+    pilot.fly(8.0, position=(np.nan, np.nan, START[2]), velocity=(8.0, 0.0, np.nan), yaw=0.0)
+    states = pilot.fly(2.0, position=(np.nan, np.nan, START[2]), velocity=(0.0, 0.0, np.nan), yaw=0.0)
+    assert np.abs(states[:, 2] - START[2]).max() < 0.2
 
 
 demands = st.tuples(st.floats(-60, 60), st.floats(-60, 60), st.floats(-60, 60))

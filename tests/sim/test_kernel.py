@@ -88,7 +88,7 @@ def test_only_the_flown_state_changes() -> None:
     rows = squadron(6)
     before = rows.copy()
     fly(rows, STEP, 40)
-    kept = set(ROW.names or ()) - {"state", "integral", "expected", "yaw", "impact"}
+    kept = set(ROW.names or ()) - {"state", "expected", "yaw", "impact"}
     for name in kept:
         np.testing.assert_array_equal(rows[name], before[name])
     assert not np.array_equal(rows["state"], before["state"])

@@ -142,8 +142,8 @@ class Judge:
 def lawful(state: State) -> bool:
     """Return whether a state is finite and upright."""
     x, y = state.attitude[0], state.attitude[1]
-    values = (*state.position, *state.velocity, *state.attitude, *state.rate)
-    return all(map(math.isfinite, values)) and bool(1 - 2 * (x * x + y * y) > UPSIDE_DOWN)
+    squares = sum(v @ v for v in (state.position, state.velocity, state.attitude, state.rate))
+    return math.isfinite(squares) and bool(1 - 2 * (x * x + y * y) > UPSIDE_DOWN)
 
 
 def warm_up(plan: Plan) -> None:

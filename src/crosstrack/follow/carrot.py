@@ -6,13 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.path.pieces import reach_of
-from crosstrack.protocols import Course
-from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.protocols import Course, Path
+from crosstrack.types import Array, Envelope, NonNegative, Positive, Setpoint, State
 
 DRIFT_MAX = 5.0
 """of the speed, the most drift that is corrected: a point in a wind of 98 % of its speed needs as much"""
+DRIFT_PACE = 0.3
+"""of the time to the carrot, the fastest that drift is integrated, so that a slow turn does not count as drift"""
 LAST_STRETCH = 0.3
 """m, from the end: there the last point is the carrot, and a vehicle that can stop holds it"""
+LAST_SECONDS = 0.5
+"""s, from the end, likewise: a vehicle that holds a position must not get there faster than it may fly"""
+STRAIGHT = 0.98
+"""least chord over arc length of a way that counts as straight"""
 
 
 @dataclass(frozen=True)
@@ -35,28 +41,27 @@ class CarrotMemory:
 class Carrot:
     """Chase a carrot on the path in 2-D and 3-D.
 
-    With the closest point C, the unit tangent t and the carrot S = path(s + δ), the course asked for is
+    With the closest point C, its unit tangent t and the carrot S = C + δ t, the course asked for is d = unit(S - P).
+    On the tangent the carrot does not cut curves, and a path that turns back does not pull it past the vehicle. The
+    command is
 
-        d = unit(t + unit(S - P) - unit(S - C)),
+        v = V(s) d + drift,      a = K V d_⊥ + K2 (C - P) + feed-forward of the path,
 
-    which on a straight leg is the direction to the carrot, unit(S - P), and on a curve does not cut it. The command is
-
-        v = V(s) d + drift,      a = K V ∠(v, d) + K2 (C - P) + feed-forward of the path,
-
-    where ∠ turns from the course flown to the course asked for, (-π, π], across the course flown, and drift integrates
-    what the velocity flown across the path misses of V d, so that a crosswind leaves no offset:
+    where d_⊥ is the part of d across the course flown, as long as the sine of the angle between them, and drift
+    integrates what the velocity flown across the path misses of V d, so that a crosswind leaves no offset:
 
         d(drift)/dt = g (V d - velocity) across t.
 
-    The acceleration is at most what the vehicle has, in whatever direction.
+    The acceleration is at most what the vehicle has, in whatever direction. Over the last 0.3 m, or half a second,
+    where straight, the last point is the carrot, and a vehicle that can stop is asked for that position.
 
     Sources: Sujit, Saripalli, Sousa 2014 (IEEE Control Systems 34(1), algorithm 1); Bhadani 2020 (arXiv 2012.13227).
     """
 
     lookahead: Positive = 1.0
-    """m, δ; stretched to `reaction` times the speed where that is more"""
+    """m, δ; longer for a vehicle that is slow to respond or, unable to slow down, wide to turn"""
     heading_gain: NonNegative = 0.5
-    """1/s, K, acceleration over speed and course error"""
+    """1/s, K, acceleration over speed and sine of the course error"""
     cross_track_gain: NonNegative = 0.0
     """1/s², K2, acceleration over cross-track error"""
     drift_gain: NonNegative = 1.0
@@ -75,34 +80,41 @@ class Carrot:
     ) -> tuple[Setpoint, CarrotMemory]:
         """Return velocity and acceleration to fly for the next `duration` (s), and the new memory."""
         path, envelope = course.path, course.envelope
-        moved = float(np.linalg.norm(state.velocity)) * duration
+        moved = math.sqrt(state.velocity @ state.velocity) * duration
         s = path.project(state.position, memory.progress, reach_of(memory.error, moved))
-        foot, tangent = path(s), path(s, 1)
+        foot, tangent, speed = path(s), path(s, 1), float(course.speed(s))
         offset = foot - state.position
-        error = float(np.linalg.norm(offset))
-        speed = float(course.speed(s))
-        lookahead = max(self.lookahead, self.reaction * envelope.response_time * speed)
-        carrot = beyond(course, s + lookahead)
-        asked = direction(tangent + direction(carrot - state.position) - direction(carrot - foot))
-        last = on_last_stretch(course, s, foot)
+        lookahead = self.lookahead_at(speed, envelope)
+        aim = foot + lookahead * tangent
+        last = on_last_stretch(path, s, foot, speed)
         if last:
-            carrot = path(path.length)
-            asked = direction(carrot - state.position)
-        drift = self.drifted(memory, state.velocity, tangent, speed, duration)
-        memory = CarrotMemory(s, carrot, drift, error, speed * asked)
+            aim = path(path.length)
+        asked = direction(aim - state.position)
+        pace = min(self.drift_gain, DRIFT_PACE * speed / lookahead)
+        drift = drifted(memory, state.velocity, tangent, min(1.0, pace * duration), DRIFT_MAX * speed)
+        memory = CarrotMemory(s, aim, drift, math.sqrt(offset @ offset), speed * asked)
         if last and envelope.stops:
-            return Setpoint(position=carrot), memory
+            return Setpoint(position=aim), memory
         across = drift - (drift @ tangent) * tangent
-        push = ahead(course, s, state.velocity) + self.heading_gain * speed * turn(state.velocity, asked)
-        push = push + self.cross_track_gain * offset
+        push = ahead(course, s, tangent, state.velocity) + self.cross_track_gain * offset
+        push = push + self.heading_gain * speed * turn(state.velocity, asked)
         return Setpoint(velocity=speed * asked + across, acceleration=limited(push, envelope.acceleration)), memory
 
-    def drifted(self, memory: CarrotMemory, velocity: Array, tangent: Array, speed: float, duration: float) -> Array:
-        """Return the drift (3,) m/s after integrating how far the velocity flown misses the one asked for."""
-        miss = memory.course - velocity
-        miss = miss - (miss @ tangent) * tangent
-        drift = memory.drift + min(1.0, self.drift_gain * duration) * miss
-        return limited(drift, DRIFT_MAX * speed)
+    def lookahead_at(self, speed: float, envelope: Envelope) -> float:
+        """Return the lookahead (m) at a speed (m/s): a vehicle that cannot slow down looks a turning radius ahead."""
+        radius = 0.0 if envelope.stops else speed**2 / envelope.acceleration
+        return max(self.lookahead, self.reaction * envelope.response_time * speed, radius)
+
+
+def drifted(memory: CarrotMemory, velocity: Array, tangent: Array, share: float, most: float) -> Array:
+    """Return the drift (3,) m/s after adding a share of what the velocity flown misses of the one asked for.
+
+    Nothing is added while the vehicle flies against its course, still turning; and it is `most` m/s at most.
+    """
+    if velocity @ memory.course <= 0:
+        return memory.drift
+    miss = memory.course - velocity
+    return limited(memory.drift + share * (miss - (miss @ tangent) * tangent), most)
 
 
 def direction(vector: Array) -> Array:
@@ -111,19 +123,27 @@ def direction(vector: Array) -> Array:
     return vector / norm if norm > 1e-9 else np.zeros(3)
 
 
-def on_last_stretch(course: Course, s: float, foot: Array) -> bool:
-    """Return whether the way from a point of the path to its end is short and straight."""
-    remaining = course.path.length - s
-    straight = float(np.linalg.norm(course.path(course.path.length) - foot))
-    return remaining < LAST_STRETCH and straight >= 0.9 * remaining
+def on_last_stretch(path: Path, s: float, foot: Array, speed: float) -> bool:
+    """Return whether the way from a point of the path, the foot at arc length `s`, to its end is short and straight."""
+    remaining = path.length - s
+    if remaining > min(LAST_STRETCH, LAST_SECONDS * speed):
+        return False
+    return float(np.linalg.norm(path(path.length) - foot)) >= STRAIGHT * remaining
 
 
-def ahead(course: Course, s: float, velocity: Array) -> Array:
-    """Return the mean acceleration (3,) m/s² along the course over the vehicle's response time from arc length `s`."""
+def ahead(course: Course, s: float, tangent: Array, velocity: Array) -> Array:
+    """Return the mean acceleration (3,) m/s² along the course over the vehicle's response time.
+
+    Args:
+        course: what is followed
+        s: m, arc length of the closest point
+        tangent: (3,) there
+        velocity: (3,) m/s, flown
+    """
     response = course.envelope.response_time
     if response <= 0:
         return np.zeros(3)
-    tangent, gain = course.path(s, 1), max(0.0, float(course.speed(s, 1)))
+    gain = max(0.0, float(course.speed(s, 1)))
     lead = s + (max(0.0, float(velocity @ tangent)) + 0.5 * gain * response) * response
     return (course.speed(lead) * course.path(lead, 1) - course.speed(s) * tangent) / response
 
@@ -134,24 +154,7 @@ def limited(vector: Array, most: float) -> Array:
     return vector * (most / norm) if norm > most else vector
 
 
-def beyond(course: Course, s: float) -> Array:
-    """Return the point of the path at arc length `s`, on its last tangent past the end."""
-    path = course.path
-    return path(s) + max(0.0, s - path.length) * path(path.length, 1)
-
-
 def turn(velocity: Array, asked: Array) -> Array:
-    """Return the angle (rad) from the course flown to the course asked for, across the course flown.
-
-    Opposite courses turn left in the horizontal plane; a vehicle at rest has no course and turns nowhere.
-    """
+    """Return the part of the unit vector `asked` that lies across the course flown; zero for a vehicle at rest."""
     flown = direction(velocity)
-    if not flown.any():
-        return flown
-    across = asked - (asked @ flown) * flown
-    sine = math.sqrt(across @ across)
-    if sine > 1e-9:
-        return math.atan2(sine, float(asked @ flown)) / sine * across
-    if asked @ flown < 0:
-        return math.pi * direction(np.array([-flown[1], flown[0], 0.0]))
-    return np.zeros(3)
+    return asked - (asked @ flown) * flown if flown.any() else flown

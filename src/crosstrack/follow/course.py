@@ -11,8 +11,6 @@ from crosstrack.path.rounded import rounded
 from crosstrack.protocols import Course
 from crosstrack.types import Array, Envelope
 
-CORNER = 1.0
-"""of the tolerance, given to rounding the corners; the rest is left to the tracker"""
 CUSP = 0.5
 """of the tolerance, given to braking at a turn on the spot"""
 SWING = 3.0
@@ -40,7 +38,7 @@ def plan_course(
     if math.isinf(envelope.acceleration):
         path: Pieces = route
     else:
-        path = rounded(route.points, CORNER * tolerance, speed**2 / (RESERVE * envelope.acceleration))
+        path = rounded(route.points, tolerance, speed**2 / (RESERVE * envelope.acceleration))
     entry = 0.0 if start is None else path.project(start, 0.0, path.length)
     if not envelope.stops:
         constant = SpeedProfile(np.array([0.0, path.length]), np.array([speed, speed]))

@@ -25,16 +25,19 @@ class SpeedProfile:
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (...): speed (m/s) or acceleration along the path (m/s²) for order 0, 1."""
-        squares = self.speeds**2
         if order == 0:
-            return np.sqrt(np.interp(s, self.knots, squares))
-        k = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
-        return np.asarray(self.slopes[k] / 2)
+            return np.sqrt(np.interp(s, self.knots, self.squares))
+        return np.asarray(self.accelerations[self.knots[1:-1].searchsorted(s, side="right")])
 
     @cached_property
-    def slopes(self) -> Array:
-        """(n - 1,) d(v²)/ds, m/s²"""
-        return np.diff(self.speeds**2) / np.diff(self.knots)
+    def squares(self) -> Array:
+        """(n,) (m/s)²"""
+        return self.speeds**2
+
+    @cached_property
+    def accelerations(self) -> Array:
+        """(n - 1,) m/s², d(v²)/ds / 2"""
+        return np.diff(self.squares) / np.diff(self.knots) / 2
 
     @cached_property
     def duration(self) -> float:
@@ -45,8 +48,8 @@ class SpeedProfile:
 def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array, swing: float = 0.0) -> SpeedProfile:
     """Make the fastest speed profile over the pieces of a path (Bobrow, Dubowsky, Gibson 1985, on a piecewise bound).
 
-    It starts from rest and ends at rest; over the last a / SETTLING² metres the speed is at most SETTLING times the
-    distance to the end, so that the vehicle settles there.
+    It starts from rest and ends at rest; over the last a / SETTLING² metres, at most half of the way, the speed is
+    at most SETTLING times the distance to the end, so that the vehicle settles there.
 
     Args:
         lengths: (n,) m, of the pieces
@@ -78,16 +81,21 @@ def profile(lengths: Array, limits: Array, corners: Array, accelerations: Array,
 
 
 def settling(lengths: Array, limits: Array, corners: Array, accelerations: Array) -> tuple[Array, Array, Array, Array]:
-    """Split the last piece where the speed falls with the distance to the end."""
-    last, acceleration = lengths[-1], accelerations[-1]
-    left = SETTLING_STEPS * min(0.999 * last, acceleration / SETTLING**2)
-    parts = -np.diff(np.concatenate([[last], left, [0.0]]))
-    speeds = SETTLING * left
+    """Split the pieces where the speed falls with the distance to the end, and bound it there."""
+    knots = np.concatenate([[0.0], np.cumsum(lengths)])
+    end = knots[-1]
+    distance = min(0.5 * end, accelerations[-1] / SETTLING**2)
+    splits = np.union1d(knots, end - SETTLING_STEPS * distance)
+    speeds = np.where(end - splits > 1.001 * distance, np.inf, SETTLING * (end - splits))
+    which = knots[1:-1].searchsorted(splits[:-1], side="right")
+    bounds = np.minimum(speeds, np.where(np.isin(splits, knots), corners[knots.searchsorted(splits)], np.inf))
+    # From split to split v² is linear, which takes SETTLING² times the distance from the middle to the end.
+    braking = np.where(np.isinf(speeds[:-1]), np.inf, SETTLING**2 * (end - (splits[1:] + splits[:-1]) / 2))
     return (
-        np.append(lengths[:-1], parts),
-        np.concatenate([limits, np.minimum(limits[-1], speeds)]),
-        np.concatenate([corners[:-1], speeds, corners[-1:]]),
-        np.append(accelerations[:-1], np.full(len(parts), acceleration)),
+        np.diff(splits),
+        np.minimum(limits[which], speeds[:-1]),
+        bounds,
+        np.minimum(accelerations[which], braking),
     )
 
 

@@ -52,9 +52,9 @@ class Pieces:
     def trace(self, points: Array, start: float = 0.0) -> tuple[Array, Array]:
         """Follow a flown track: progress and cross-track error, both (n,) m, for `points` (n, 3) m in their order.
 
-        Progress never goes back. The reach ahead grows with the distance flown since the point before and with the
-        cross-track error, so that corners may be cut but crossings do not jump. The error is the distance to the path
-        within that reach of the progress, ahead and behind.
+        Progress never goes back. The reach ahead grows with the cross-track error and with the distance flown since
+        progress last kept up with the vehicle, so that corners may be cut, hairpins too, but crossings do not jump.
+        The error is the distance to the path within that reach of the progress, ahead and behind.
         """
         progress, errors = np.empty(len(points)), np.empty(len(points))
         walk(points, start, self.knots, *self.arrays, progress, errors)
@@ -162,16 +162,18 @@ def walk(
     errors: Array,
 ) -> None:
     """Fill progress and errors (n,) of a track (n, 3), see `Pieces.trace`."""
-    near = start
+    near, astray = start, 0.0
     _, error = closest(points[0], near, near, knots, origins, tangents, normals, curvatures, lengths)
     for i in range(points.shape[0]):
         j = max(i - 1, 0)
         dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
-        reach = reach_of(error, np.sqrt(dx * dx + dy * dy + dz * dz))
+        moved = np.sqrt(dx * dx + dy * dy + dz * dz)
+        before, reach = near, reach_of(error, astray + moved)
         near, _ = closest(points[i], near, near + reach, knots, origins, tangents, normals, curvatures, lengths)
         _, error = closest(
             points[i], near - reach, near + reach, knots, origins, tangents, normals, curvatures, lengths
         )
+        astray = astray + moved if near - before < 0.5 * moved else 0.0
         progress[i], errors[i] = near, error
 
 

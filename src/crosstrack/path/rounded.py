@@ -17,19 +17,32 @@ CUSP = np.radians(170)
 def rounded(corners: Array, tolerance: float, radius: float) -> Pieces:
     """Round the corners of a polyline by at most `tolerance`.
 
-    Points that deviate by less than a tenth of the tolerance are dropped first (Douglas and Peucker 1973), so that
-    dense points do not make tight corners. A corner of turn θ then gets the arc of radius
-    r = min(max(radius, 0.1 R), 0.9 R, l / tan θ/2), where R = tolerance / (sec θ/2 - 1) uses all of the tolerance and
-    l is half of the shorter leg beside it: gentle turns become as smooth as costs next to nothing.
+    A corner of turn θ gets the arc of radius r = min(max(radius, 0.1 R), 0.9 R, l / tan θ/2), where
+    R = tolerance / (sec θ/2 - 1) uses all of the tolerance and l is half of the shorter leg beside it: gentle turns
+    become as smooth as costs next to nothing. Points that deviate by less than a tenth of the tolerance are dropped
+    first (Douglas and Peucker 1973), so that noise on dense points makes no tight corners, unless all of them together
+    make the smoother path, as on a circle.
 
     Args:
         corners: (n, 3) m, no two in a row the same
         tolerance: m
         radius: m, no corner needs more for the speed it is flown at
     """
+    path = arcs(corners, tolerance, radius)
     kept = corners[simplified(corners, 0.1 * tolerance)]
-    if np.linalg.norm(np.diff(kept, axis=0), axis=1).min() > SHORTEST:
-        corners = kept
+    if len(kept) == len(corners) or np.linalg.norm(np.diff(kept, axis=0), axis=1).min() <= SHORTEST:
+        return path
+    return min(arcs(kept, tolerance, radius), path, key=bending)
+
+
+def bending(path: Pieces) -> tuple[int, float]:
+    """Return the number of turns on the spot, and the integral of the squared curvature (1/m)."""
+    jumps = np.linalg.norm(path.tangents[1:] - path(path.knots[1:-1] - 1e-9, 1), axis=1)
+    return int(np.count_nonzero(jumps > 1e-4)), float(path.curvatures**2 @ path.lengths)
+
+
+def arcs(corners: Array, tolerance: float, radius: float) -> Pieces:
+    """Round every corner of a polyline, see `rounded`."""
     legs = np.diff(corners, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
     directions = legs / lengths[:, None]

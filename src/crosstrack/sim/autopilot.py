@@ -1,9 +1,10 @@
 """The cascaded autopilot: position, velocity, attitude, rate, mixer; each loop asks the next one in.
 
 velocity       v* = v_ff + k_p (p* - p)
-acceleration   a* = a_ff + k_v (v* - v) + drag at v in still air - d
-disturbance    d = k_d (v - v̂), dv̂/dt = thrust - g e_z - drag in still air + d: what these leave unexplained
-thrust vector  f* = a* + g e_z, height before sideways motion, tilt limited
+acceleration   a* = a_ff + k_v (v* - v)
+disturbance    d = k_d (v - v̂), dv̂/dt = thrust - g e_z + D + d: what thrust and drag D in still air leave unexplained
+thrust vector  f* = a* + g e_z - D_xy - d, height before sideways motion, tilt limited; thrust f*·b_z - D_z
+(Faessler, Franchi and Scaramuzza 2018: drag along body z needs no tilt)
 rate           ω* = 2 k_a sin(θ/2) along the tilt error θ, 2 k_ψ sin(ψ/2) along the yaw error ψ
 (Brescianini and D'Andrea 2018, reduced and full attitude control)
 torque         τ* = J k_r (ω* - ω) + ω x J ω
@@ -14,7 +15,7 @@ import math
 
 from crosstrack.compiled import compiled
 from crosstrack.sim.airframe import GRAVITY
-from crosstrack.sim.dynamics import Body, Rotors
+from crosstrack.sim.dynamics import Body, Rotors, Triple, drag_force, rotation, rotor_wrench
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, Fleet
 
 LEAST_LIFT = 0.3
@@ -27,7 +28,6 @@ DISTURBANCE_MAX = 5.0
 
 Axis = tuple[float, float, float, float]
 """Velocity asked for is base - slope * position; then whether velocity is controlled at all, and acceleration."""
-Triple = tuple[float, float, float]
 Quadruple = tuple[float, float, float, float]
 Demand = tuple[Axis, Axis, Axis, Triple, int, Quadruple, float, float, float, float]
 """Axes, velocity error of the estimate, level, attitude or rate, thrust or yaw rate, half-yaw sine and cosine, yaw."""
@@ -92,7 +92,7 @@ def acceleration_wanted(body: Body, x: Axis, y: Axis, z: Axis, error: Triple, p:
 
 
 @compiled
-def thrust_vector(ax: float, ay: float, az: float, p: Fleet) -> tuple[float, float, float]:
+def thrust_vector(ax: float, ay: float, az: float, p: Fleet) -> Triple:
     """Return the specific force (m/s², world) nearest to an acceleration that tilt and thrust allow, height first."""
     most = MOST_THRUST * 4 * p.thrust_max / p.mass
     lift = min(most, max(LEAST_LIFT * GRAVITY, az + GRAVITY))
@@ -113,7 +113,7 @@ def attitude_wanted(fx: float, fy: float, fz: float, sine: float, cosine: float)
 
 
 @compiled
-def rate_wanted(body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet) -> tuple[float, float, float]:
+def rate_wanted(body: Body, qx: float, qy: float, qz: float, qw: float, p: Fleet) -> Triple:
     """Return the body rate (rad/s) that turns the body to an attitude: tilt by the shortest way, yaw apart."""
     bx, by, bz, bw = -body[6], -body[7], -body[8], body[9]
     ex = bw * qx + bx * qw + by * qz - bz * qy
@@ -166,20 +166,18 @@ def pursue(body: Body, rotors: Rotors, asked: Demand, expected: Triple, h: float
     """
     x, y, z, error, level, given, extra, sine, cosine, _ = asked
     upset = disturbance(body, error, expected, p)
-    up_x = 2 * (body[6] * body[8] + body[7] * body[9])
-    up_y = 2 * (body[7] * body[8] - body[6] * body[9])
-    up_z = 1 - 2 * (body[6] * body[6] + body[7] * body[7])
-    a, b, c, d = rotors
-    pull = p.thrust * p.inverse_mass * (a * a + b * b + c * c + d * d)
-    slack = h - 1.0 / p.gain_disturbance
     vx, vy, vz = body[3] + error[0], body[4] + error[1], body[5] + error[2]
-    drag = p.drag_feed
-    sideways = drag[0] + drag[1] * math.sqrt(vx * vx + vy * vy)
-    upwards = drag[2] * abs(vz)
+    turn = rotation(body[6], body[7], body[8], body[9])
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
+    pull, _, _, _, speed_sum = rotor_wrench(rotors, p)
+    dx, dy, dz = drag_force(turn, vx, vy, vz, speed_sum, p)
+    sx, sy = dx * p.inverse_mass, dy * p.inverse_mass
+    lift = (pull + dz) * p.inverse_mass
+    slack = h - 1.0 / p.gain_disturbance
     expected = (
-        vx + h * (pull * up_x - sideways * vx) + slack * upset[0],
-        vy + h * (pull * up_y - sideways * vy) + slack * upset[1],
-        vz + h * (pull * up_z - GRAVITY - upwards * vz) + slack * upset[2],
+        vx + h * (r00 * sx + r01 * sy + r02 * lift) + slack * upset[0],
+        vy + h * (r10 * sx + r11 * sy + r12 * lift) + slack * upset[1],
+        vz + h * (r20 * sx + r21 * sy + r22 * lift - GRAVITY) + slack * upset[2],
     )
     if level == RATE:
         return given, expected
@@ -188,11 +186,15 @@ def pursue(body: Body, rotors: Rotors, asked: Demand, expected: Triple, h: float
         return (wx, wy, wz, extra), expected
     ax, ay, az = acceleration_wanted(body, x, y, z, error, p)
     fx, fy, fz = thrust_vector(
-        ax + sideways * vx - upset[0], ay + sideways * vy - upset[1], az + upwards * vz - upset[2], p
+        ax - r00 * sx - r01 * sy - upset[0],
+        ay - r10 * sx - r11 * sy - upset[1],
+        az - r20 * sx - r21 * sy - upset[2],
+        p,
     )
     qx, qy, qz, qw = attitude_wanted(fx, fy, fz, sine, cosine)
     wx, wy, wz = rate_wanted(body, qx, qy, qz, qw, p)
-    return (wx, wy, wz + extra, fx * up_x + fy * up_y + fz * up_z), expected
+    # Drag along body z needs no tilt: the collective thrust meets it alone.
+    return (wx, wy, wz + extra, fx * r02 + fy * r12 + fz * r22 - dz * p.inverse_mass), expected
 
 
 @compiled

@@ -14,11 +14,12 @@ import math
 
 from crosstrack.compiled import compiled
 from crosstrack.sim.airframe import GRAVITY
-from crosstrack.sim.contact import contact
+from crosstrack.sim.contact import Rotation, contact
 from crosstrack.sim.fleet import Fleet
 
 Body = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 Rotors = tuple[float, float, float, float]
+Triple = tuple[float, float, float]
 Wrench = tuple[float, float, float, float, float]
 """thrust (N), torques (N m), sum of the rotor speeds (rad/s)"""
 
@@ -52,33 +53,52 @@ def lagged(speeds: Rotors, targets: Rotors, remaining: float) -> Rotors:
 
 
 @compiled
-def derivative(body: Body, wrench: Wrench, wind: tuple[float, float, float], p: Fleet) -> Body:
-    """Return the time derivative of a body."""
-    _, _, pz, vx, vy, vz, qx, qy, qz, qw, wx, wy, wz = body
-    thrust, torque_x, torque_y, torque_z, speed_sum = wrench
-    r00 = 1 - 2 * (qy * qy + qz * qz)
-    r01 = 2 * (qx * qy - qz * qw)
-    r02 = 2 * (qx * qz + qy * qw)
-    r10 = 2 * (qx * qy + qz * qw)
-    r11 = 1 - 2 * (qx * qx + qz * qz)
-    r12 = 2 * (qy * qz - qx * qw)
-    r20 = 2 * (qx * qz - qy * qw)
-    r21 = 2 * (qy * qz + qx * qw)
-    r22 = 1 - 2 * (qx * qx + qy * qy)
-    ax, ay, az = vx - wind[0], vy - wind[1], vz - wind[2]
+def rotation(qx: float, qy: float, qz: float, qw: float) -> Rotation:
+    """Return the rotation matrix of a unit quaternion, row by row."""
+    return (
+        1 - 2 * (qy * qy + qz * qz),
+        2 * (qx * qy - qz * qw),
+        2 * (qx * qz + qy * qw),
+        2 * (qx * qy + qz * qw),
+        1 - 2 * (qx * qx + qz * qz),
+        2 * (qy * qz - qx * qw),
+        2 * (qx * qz - qy * qw),
+        2 * (qy * qz + qx * qw),
+        1 - 2 * (qx * qx + qy * qy),
+    )
+
+
+@compiled
+def drag_force(turn: Rotation, ax: float, ay: float, az: float, speed_sum: float, p: Fleet) -> Triple:
+    """Return the drag (N, body) at an airspeed (m/s, world) and a sum of the rotor speeds (rad/s)."""
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
     ux = r00 * ax + r10 * ay + r20 * az
     uy = r01 * ax + r11 * ay + r21 * az
     uz = r02 * ax + r12 * ay + r22 * az
-    drag, rotor_drag, inertia = p.body_drag, p.rotor_drag, p.inertia
-    fx = -(drag[0] * abs(ux) + rotor_drag[0] * speed_sum) * ux
-    fy = -(drag[1] * abs(uy) + rotor_drag[1] * speed_sum) * uy
-    fz = thrust - (drag[2] * abs(uz) + rotor_drag[2] * speed_sum) * uz
+    k, c = p.body_drag, p.rotor_drag
+    return (
+        -(k[0] * abs(ux) + c[0] * speed_sum) * ux,
+        -(k[1] * abs(uy) + c[1] * speed_sum) * uy,
+        -(k[2] * abs(uz) + c[2] * speed_sum) * uz,
+    )
+
+
+@compiled
+def derivative(body: Body, wrench: Wrench, wind: Triple, p: Fleet) -> Body:
+    """Return the time derivative of a body."""
+    _, _, pz, vx, vy, vz, qx, qy, qz, qw, wx, wy, wz = body
+    thrust, torque_x, torque_y, torque_z, speed_sum = wrench
+    turn = rotation(qx, qy, qz, qw)
+    r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
+    fx, fy, fz = drag_force(turn, vx - wind[0], vy - wind[1], vz - wind[2], speed_sum, p)
+    fz += thrust
     gx = gy = gz = 0.0
     if pz < p.ground + 4 * p.gear:
-        gx, gy, gz, mx, my, mz = contact(pz, vx, vy, vz, wx, wy, wz, (r00, r01, r02, r10, r11, r12, r20, r21, r22), p)
+        gx, gy, gz, mx, my, mz = contact(pz, vx, vy, vz, wx, wy, wz, turn, p)
         torque_x += mx
         torque_y += my
         torque_z += mz
+    inertia = p.inertia
     jx, jy, jz = inertia[0], inertia[1], inertia[2]
     inverse = p.inverse_inertia
     return (
@@ -123,7 +143,7 @@ def step(
     body: Body,
     rotors: Rotors,
     targets: Rotors,
-    wind: tuple[float, float, float],
+    wind: Triple,
     p: Fleet,
     h: float,
     half_lag: float,

@@ -29,7 +29,6 @@ ROW = np.dtype(
         ("allocation", float, (4, 4)),  # rotor thrusts (N) from thrust (N) and torques (N m)
         ("body_drag", float, 3),  # N/(m/s)², in the air of the scenario
         ("rotor_drag", float, 3),  # N/((rad/s) (m/s)), in the air of the scenario
-        ("drag_feed", float, 3),  # 1/s, 1/m, 1/m, against drag: sideways linear and quadratic, vertical quadratic
         ("gear", float),  # m, from the centre down to the feet
         ("ground", float),  # m, height of the ground
         ("tilt_tangent", float),  # of the largest tilt that the autopilot asks for
@@ -79,12 +78,6 @@ def fleet(
     rows["allocation"] = airframe.allocation
     rows["body_drag"] = np.asarray(airframe.body_drag) * air.density
     rows["rotor_drag"] = np.asarray(airframe.rotor_drag) * density_ratio
-    sideways = 0.5 * (airframe.rotor_drag[0] + airframe.rotor_drag[1])
-    rows["drag_feed"] = (
-        sideways * 4 * airframe.rotor_speed_hover / airframe.mass,
-        0.5 * (airframe.body_drag[0] + airframe.body_drag[1]) * air.density / airframe.mass,
-        airframe.body_drag[2] * air.density / airframe.mass,
-    )
     rows["gear"], rows["ground"] = airframe.gear, ground
     rows["tilt_tangent"], rows["speed_max"] = math.tan(math.radians(limits.tilt_deg)), limits.speed
     gains = airframe.gains

@@ -38,7 +38,7 @@ def fly(rows: Fleet, h: float, steps: int) -> None:
         rate = (0.0, 0.0, 0.0, 0.0)
         for k in range(steps):
             if k % OUTER == 0:
-                rate, expected = pursue(body, rotors, asked, expected, OUTER * h, p)
+                rate, expected = pursue(body, rotors, asked, expected, min(OUTER, steps - k) * h, p)
             above, sinking = body[2] > touch, -body[5]
             body, rotors = step(body, rotors, spin_rotors(body, rate, p), wind, p, h, half_lag)
             if above and body[2] <= touch:

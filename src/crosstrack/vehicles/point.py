@@ -13,6 +13,9 @@ from crosstrack.types import Array, Command, Envelope, NonNegative, Positive, Se
 NEAR = 0.2
 """m, from the last point: a point that passes it no farther has arrived"""
 
+SMALL = 1e-9
+"""sine of an angle that is none"""
+
 SKIM = 0.01
 """m, below the ground, that is still gliding along it"""
 
@@ -24,9 +27,9 @@ class Point:
     radius: Positive = 0.2
     """m, of the sphere that must stay free"""
     lag: NonNegative = 0.0
-    """s, time constant of the first-order lag of the velocity; 0 for none"""
+    """s, time constant of the first-order lag of its course; 0 for none"""
     acceleration: Positive | None = None
-    """m/s², the most that its velocity through the air changes; none for no limit"""
+    """m/s², the most that it turns with, speed times turn rate; none for no limit"""
 
     def envelope(self, scenario: Scenario) -> Envelope:
         """Return what it can do: fly at the mission's speed, always."""
@@ -96,9 +99,7 @@ class PointSession:
             raise InputError("vehicle", [Problem("kind", "point flies velocities; this tracker gives attitudes")])
         acceleration = np.nan_to_num(command.acceleration)
         asked = np.nan_to_num(command.velocity) + acceleration * duration
-        norm = math.sqrt(asked @ asked)
-        target = asked * (self.speed / norm) if norm > 0 else self.airspeed
-        before, now = self.airspeed, self.turned(target, duration)
+        before, now = self.airspeed, self.turned(asked, duration)
         position = self.state.position + (0.5 * (before + now) if self.slow else now) * duration
         self.airspeed = now
         self.state = self.stated(self.state.time + duration, position + self.moving_air * duration)
@@ -107,21 +108,33 @@ class PointSession:
 
     @property
     def slow(self) -> bool:
-        """Whether the velocity takes time to change."""
+        """Whether it takes time to turn."""
         return self.vehicle.lag > 0 or self.vehicle.acceleration is not None
 
-    def turned(self, target: Array, duration: float) -> Array:
-        """Return the velocity through the air a time later: lagged, limited, and of constant speed."""
-        vehicle = self.vehicle
-        change = target - self.airspeed
+    def turned(self, asked: Array, duration: float) -> Array:
+        """Return the velocity through the air a time later, turned the short way towards the one asked for.
+
+        Of an angle θ it turns by θ (1 - exp(-t / lag)), at most by acceleration · t / speed; half round, by the left.
+        """
+        vehicle, course = self.vehicle, self.airspeed / self.speed
+        norm = math.sqrt(asked @ asked)
+        if norm == 0:
+            return self.airspeed
+        wanted = asked / norm
+        along = float(wanted @ course)
+        across = wanted - along * course
+        sine = math.sqrt(across @ across)
+        if not self.slow or (sine < SMALL and along > 0):
+            return self.speed * wanted
+        if sine < SMALL:
+            across = np.array([-course[1], course[0], 0.0]) if course[:2].any() else np.array([1.0, 0.0, 0.0])
+        angle = math.atan2(sine, along)
         if vehicle.lag > 0:
-            change = change * (1 - math.exp(-duration / vehicle.lag))
-        size = math.sqrt(change @ change)
-        if vehicle.acceleration is not None and size > vehicle.acceleration * duration:
-            change = change * (vehicle.acceleration * duration / size)
-        velocity = self.airspeed + change
-        norm = math.sqrt(velocity @ velocity)
-        return velocity * (self.speed / norm) if norm > 1e-9 * self.speed else target
+            angle *= 1 - math.exp(-duration / vehicle.lag)
+        if vehicle.acceleration is not None:
+            angle = min(angle, vehicle.acceleration * duration / self.speed)
+        velocity = math.cos(angle) * course + math.sin(angle) / math.sqrt(across @ across) * across
+        return velocity * (self.speed / math.sqrt(velocity @ velocity))
 
     def close(self) -> None:
         """Nothing is left to make safe."""

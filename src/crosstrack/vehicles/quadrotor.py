@@ -56,8 +56,9 @@ class Quadrotor:
 
     def arrived(self, before: State, now: State, goal: Array, remaining: float) -> bool:
         """Judge it arrived within 0.2 m of the goal at less than 0.3 m/s, with no path left."""
-        near = np.linalg.norm(now.position - goal) <= 0.2
-        return bool(near and np.linalg.norm(now.velocity) < 0.3 and remaining <= 0.2)
+        if remaining > 0.2:
+            return False
+        return bool(np.linalg.norm(now.position - goal) <= 0.2 and np.linalg.norm(now.velocity) < 0.3)
 
 
 class QuadrotorSession:
