@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from crosstrack.flight.flight import Flight, Record
+from crosstrack.flight.flight import Flight
 from crosstrack.flight.plan import Plan
+from crosstrack.flight.record import Record
 from crosstrack.path.polyline import Polyline
 from crosstrack.protocols import Course
 from crosstrack.types import Array, Envelope, Outcome

@@ -1,5 +1,6 @@
 """The command: what it prints where, what it leaves behind, and how it exits."""
 
+import errno
 import json
 import os
 import pty
@@ -17,6 +18,7 @@ from jsonschema import Draft202012Validator
 from crosstrack import __version__
 from crosstrack.cli.app import run
 from crosstrack.errors import LinkLost
+from crosstrack.flight.chunks import ChunkWriter
 from crosstrack.mission import load
 from crosstrack.vehicles.quadrotor import QuadrotorSession
 
@@ -70,7 +72,7 @@ def test_without_json_the_outcome_and_the_report_are_named(folder: Path, capsys:
     ("more", "code", "outcome"),
     [
         ("timing: {timeout: 1}\n", 3, "timed_out"),
-        ("world: {bounds: [[-1, -1, 0], [5, 5, 9]]}\nwind: {mean: [0, -20, 0]}\n", 3, "left_bounds"),
+        ("world: {bounds: [[-1, -1, 0], [5, 5, 9]]}\nwind: {mean: [0, -60, 0]}\n", 3, "left_bounds"),
         ("world: {shapes: [{box: {min: [2, -1, 0], max: [2.1, 1, 9]}}]}\n", 4, "collided"),
     ],
 )
@@ -202,8 +204,12 @@ def test_results_of_an_earlier_flight_do_not_stay(folder: Path) -> None:
         (["fly", "hop.yaml", "--set", "speed=fast"], "speed: must be a number, found 'fast'"),
         (["fly", "hop.yaml", "--vehicle", "boat"], "vehicle.kind: unknown vehicle 'boat'"),
         (["fly", "hop.yaml", "--speed", "3"], "--speed"),
-        (["fly", "hop.yaml", "--out", "hop.yaml"], "hop.yaml: File exists"),
-        (["fly", "hop.yaml", "--out", "hop.yaml/deeper"], "hop.yaml/deeper: Not a directory"),
+        (["fly", "hop.yaml", "--out", "hop.yaml"], "hop.yaml: must be a folder, found a file"),
+        (
+            ["fly", "hop.yaml", "--out", "hop.yaml/deeper"],
+            "hop.yaml/deeper: this folder cannot be made: Not a directory",
+        ),
+        (["init", ""], "must be the name of a mission, such as square; found ''"),
         (["check"], "name a mission file, or give --schema"),
         (["check", "wrong.yaml"], "wrong.yaml: 2 problems\n  line 3: speed: must be greater than 0, found -1"),
         (["replay", "hop.yaml"], "hop.yaml: 1 problem"),
@@ -256,6 +262,31 @@ def test_init_writes_a_mission_that_flies_and_never_overwrites(
     assert "first.yaml: exists already and is not overwritten" in capsys.readouterr().err
     assert run(["init"]) == 0
     assert (folder / "mission.yaml").exists()
+
+
+@pytest.mark.parametrize("room", [0, 4])
+def test_a_full_disk_is_told_with_the_folder(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, room: int
+) -> None:
+    written: list[bytes] = []
+    write = ChunkWriter.chunk
+
+    def full(self: ChunkWriter, messages: bytes, index: Any) -> None:
+        if len(written) == room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written.append(messages)
+        write(self, messages, index)
+
+    monkeypatch.setattr(ChunkWriter, "chunk", full)
+    assert run(["fly", "hop.yaml", "--out", "here"]) == 2
+    assert capsys.readouterr().err.endswith("here: No space left on device\n")
+
+
+def test_a_route_that_takes_longer_than_allowed_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", "hop.yaml", "--set", "timing.timeout=1"]) == 0
+    assert "s, longer than timing.timeout, 1 s" in capsys.readouterr().err
+    assert run(["check", "hop.yaml"]) == 0
+    assert "timeout" not in capsys.readouterr().err
 
 
 def test_list_shows_every_part_with_fields_defaults_and_units(capsys: pytest.CaptureFixture[str]) -> None:

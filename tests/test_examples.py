@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.metrics import summary
+from crosstrack.flight.summary import summary
 from crosstrack.follow.carrot import Carrot
 from crosstrack.mission import Mission, load, schema
 from crosstrack.mission.check import remarks

@@ -101,8 +101,8 @@ class Tracker(Protocol[M]):
 class Avoider(Protocol):
     """A law that changes a command so that the vehicle does not hit anything; avoiders form a chain."""
 
-    def start(self, course: Course, state: State) -> Any:
-        """Return the memory to begin with."""
+    def start(self, course: Course, known: Map, state: State) -> Any:
+        """Return the memory to begin with; `known` is what the vehicle is told of the world before it flies."""
 
     def step(
         self, memory: Any, command: Command, state: State, scan: Scan | None, duration: float

@@ -19,9 +19,10 @@ from mcap_ros2.decoder import DecoderFactory
 from scipy.spatial.transform import Rotation
 
 from crosstrack.errors import InputError
-from crosstrack.flight.flight import Flight, Record
+from crosstrack.flight.flight import Flight
 from crosstrack.flight.log import LogWriter
 from crosstrack.flight.observer import Sample
+from crosstrack.flight.record import Record
 from crosstrack.flight.recording import read_log
 from crosstrack.types import Outcome
 

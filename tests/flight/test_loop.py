@@ -13,7 +13,7 @@ from crosstrack.flight.loop import fly
 from crosstrack.flight.observer import Sample
 from crosstrack.flight.plan import Plan
 from crosstrack.follow.carrot import Carrot
-from crosstrack.protocols import Course
+from crosstrack.protocols import Course, Map
 from crosstrack.types import Array, Command, Outcome, RateSetpoint, Setpoint, State, Wind
 from crosstrack.vehicles.point import Point
 from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
@@ -166,7 +166,7 @@ def test_a_bug_is_not_hidden_but_observers_are_told_the_end() -> None:
 class Detour:
     """An avoider that always climbs."""
 
-    def start(self, course: Course, state: State) -> int:
+    def start(self, course: Course, known: Map, state: State) -> int:
         return 0
 
     def step(self, memory: int, command: Any, state: State, scan: Any, duration: float) -> tuple[Command, int]:

@@ -84,13 +84,25 @@ def missions(draw: st.DrawFn) -> tuple[list[list[float]], float, float]:
     return [[x, y, z + 30.0] for x, y, z in points], speed, tolerance
 
 
-@settings(max_examples=500)
-@given(missions())
-def test_random_paths_are_flown_to_their_end(mission: tuple[list[list[float]], float, float]) -> None:
+def strayed(report: Report) -> float:
+    """Return the greatest cross-track error, or distance to any of the route where legs are too short to tell apart."""
+    route = report.flight.plan.route
+    if np.ptp(route.points, axis=0).max() > 1.5:
+        return float(report.error.max())
+    feet = [route(route.project(position, 0.0, route.length)) for position in report.position]
+    return float(np.linalg.norm(report.position - feet, axis=1).max())
+
+
+def check(mission: tuple[list[list[float]], float, float]) -> None:
+    """Fly a random mission to its end."""
     points, speed, tolerance = mission
     report = Report(fly(plan_for(points, speed=speed, tolerance=tolerance)))
     assert report.outcome is Outcome.ARRIVED
     assert np.isfinite(report.position).all()
     assert report.end_error <= 0.2
-    assert report.error.max() <= max(tolerance, 0.4)
+    assert strayed(report) <= max(tolerance, 0.4)
     assert report.time[-1] <= 1.5 * report.flight.plan.course.speed.duration + 3
+
+
+test_random_paths_are_flown_to_their_end = settings(max_examples=500)(given(missions())(check))
+test_many_random_paths_are_flown_to_their_end = pytest.mark.slow(settings(max_examples=4000)(given(missions())(check)))

@@ -46,7 +46,10 @@ def told(text: str) -> list[str]:
         ("world: {generate: {kind: forest, density: -1}}", "world.generate.density: must be at least 0, found -1"),
         ("world: {bounds: [[0, 0, 0], [0, 1, 1]]}", "world: bounds: the first corner must be below the second"),
         ("world: {bounds: [[0, 0, 0], 1]}", "world.bounds[1]: must be a list, found 1"),
-        ("world: {image: {file: no.png}}", "world: no.png: no such file: no.png"),
+        ("world: {image: {file: no.png}}", "world.image: no.png: no such file: no.png"),
+        ("world: {image: {file: a.png, threshold: 300}}", "threshold: must be 'otsu' or at most 255, found 300"),
+        ("world: {image: {file: a.png, threshold: x}}", "threshold: must be 'otsu' or a whole number, found 'x'"),
+        ("timing: {rate: 0.5}", "timing.rate: must be at least 1, found 0.5"),
         ("limits: {tilt_deg: 90}", "limits.tilt_deg: must be at most 80, found 90"),
         ("wind: {gusts: strong}", "wind.gusts: must be 'none', 'light', 'moderate' or 'severe', found 'strong'"),
         ("frame: nwu", "frame: must be 'enu' or 'ned', found 'nwu'"),
@@ -71,7 +74,7 @@ def test_one_wrong_line_is_one_problem_with_its_line(line: str, message: str) ->
 @pytest.mark.parametrize(
     ("route", "messages"),
     [
-        ("[]", ["route: must hold at least 1 values, found 0"]),
+        ("[]", ["route: must hold at least 1 value, found 0"]),
         ("[1, 2, 3]", [f"route[{k}]: must be a list, found {k + 1}" for k in range(3)]),
         ("[[1]]", ["route[0]: must hold at least 2 values, found 1"]),
         ("[[1, 2, 3, 4]]", ["route[0]: must hold at most 3 values, found 4"]),
@@ -115,7 +118,7 @@ def test_waypoints_outside_the_bounds_or_too_close_are_named_with_their_distance
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        ("{position: [0, 0, 0], takeoff: true}", "a takeoff climbs to it, so it must be above"),
+        ("{position: [0, 0, 0], takeoff: true}", "is on the ground: a takeoff climbs to it, so it must be above"),
         ("{position: [0, 0, -1]}", "(0, 0, -1) lies 1 m below the ground"),
         ("{position: [0, 0, 40]}", "(0, 0, 40) lies 10 m outside world.bounds"),
         ("{position: [5, 5, 10]}", "lies 0.5 m inside an obstacle"),

@@ -185,7 +185,7 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
         "tracker": {"kind": "carrot", "lookahead": draw(positive)},
         "wind": {"mean": draw(space), "gusts": draw(st.sampled_from(["none", "light", "moderate", "severe"]))},
         "noise": {"position": draw(positive), "delay": draw(positive)},
-        "timing": {"rate": draw(positive), "timeout": draw(positive)},
+        "timing": {"rate": draw(st.floats(1, 1000)), "timeout": draw(positive)},
         "origin": {"latitude": draw(st.floats(-90, 90)), "longitude": draw(st.floats(-180, 180))},
         "seed": draw(st.integers(0, 2**63 - 1)),
     }
@@ -240,3 +240,15 @@ def test_tuples_and_arrays_do_as_lists() -> None:
     route = np.array([[20.0, 0.0, 10.0], [20.0, 20.0, 10.0]])
     mission = from_document({"start": {"position": (0, 0, 10)}, "route": route, "seed": np.int64(3)})
     assert mission == loads("start: {position: [0, 0, 10]}\nroute: [[20, 0, 10], [20, 20, 10]]\nseed: 3")
+
+
+def test_every_broken_source_of_a_world_is_told_at_once() -> None:
+    with pytest.raises(InputError) as caught:
+        loads(SQUARE + "world:\n  image: {file: no.png}\n  cloud: {file: no.ply}\n")
+    assert [problem.place for problem in caught.value.problems] == ["world.image", "world.cloud"]
+    assert len({problem.line for problem in caught.value.problems}) == 2
+
+
+def test_a_route_of_fifty_thousand_points_is_read() -> None:
+    points = ",".join(f"[{k / 1000},0,10]" for k in range(1, 50_001))
+    assert len(loads(f"start: {{position: [0, 0, 10]}}\nroute: [{points}]\n").points) == 50_001

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flights import OpenSky, plan_for
+from flights import OpenSky, flown, plan_for
 
+from crosstrack.errors import InputError
 from crosstrack.flight.loop import fly
 from crosstrack.sim.airframe import AIRFRAMES
-from crosstrack.types import AttitudeSetpoint, Limits, Outcome, RateSetpoint, Setpoint, Wind
+from crosstrack.types import Air, AttitudeSetpoint, Limits, Outcome, RateSetpoint, Setpoint, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
 
 HERE = [[0, 0, 10], [50, 0, 10]]
@@ -101,6 +102,35 @@ def test_thin_air_carries_less() -> None:
     for _ in range(100):
         session.advance(Setpoint(position=np.array([0.0, 0, 10])), 0.02)
     np.testing.assert_allclose(session.truth().rotor_speeds, hover, rtol=0.01)
+
+
+def test_air_too_thin_to_fly_in_is_refused() -> None:
+    with pytest.raises(InputError, match=r"too thin for generic: thrust to weight 0\.84"):
+        plan_for(HERE, air=Air(pressure=50000.0))
+
+
+@pytest.mark.parametrize(
+    ("airframe", "speed", "limits"),
+    [
+        ("racer", 30.0, Limits(speed=30.0, acceleration=20.0, tilt_deg=60.0)),
+        ("crazyflie", 30.0, Limits(speed=30.0)),
+        ("generic", 20.0, Limits(speed=30.0)),
+    ],
+)
+def test_what_is_planned_against_drag_is_flown(airframe: Any, speed: float, limits: Limits) -> None:
+    route = [[0, 0, 10], [200, 0, 10], [200, 200, 10]]
+    report = flown(route, vehicle=Quadrotor(airframe), speed=speed, limits=limits)
+    assert report.arrived
+    assert report.error.max() < 0.35
+    assert report.time[-1] < 1.05 * report.flight.plan.course.speed.duration
+
+
+@pytest.mark.parametrize("rate", [20.0, 100.0, 330.0, 1000.0])
+def test_the_rate_of_commands_hardly_matters(rate: float) -> None:
+    route = [[0, 0, 10], [10, 0, 10], [10, 10, 12]]
+    usual, other = flown(route), flown(route, rate=rate)
+    assert other.time[-1] == pytest.approx(usual.time[-1], abs=0.15)
+    assert other.rms == pytest.approx(usual.rms, abs=0.01)
 
 
 def test_it_takes_off_from_the_ground_and_lands_on_it() -> None:

@@ -182,7 +182,7 @@ BROKEN: list[tuple[Reader, bytes, list[str]]] = [
     (ply.points, ply_header("binary_little_endian", HUGE) + bytes(500), [f"{HUGE} points", "492 are left"]),
     (ply.points, ply_header("ascii", HUGE) + b"1\n2\n" + rows_of_text(), [f"200 of {HUGE} points"]),
     (ply.points, ply_text().replace(b" 0.5 ", b" ", 1), ["line 18", "5 numbers where 6"]),
-    (ply.points, ply_text().replace(b"7 ", b"7 nonsense", 1), ["from line 18", "nonsense"]),
+    (ply.points, ply_text().replace(b"7 ", b"7 nonsense", 1), ["line 18", "must be a number, found 'nonsense"]),
     (pcd.points, b"ply\n", ["line 1", "'ply'"]),
     (pcd.points, pcd_header("zipped"), ["DATA", "'zipped'"]),
     (pcd.points, pcd_header("binary", 10**8, 10**8) + bytes(99), ["DATA", "99 are left"]),

@@ -162,7 +162,7 @@ def sixteen_bits() -> bytes:
     ("data", "word"),
     [
         (b"", "not a PNG or JPG"),
-        (b"GIF89a", "not a PNG or JPG"),
+        (b"GIF89a", "m.png: 1 problem\n  not a PNG or JPG"),
         (picture(corner_map())[:60], "not a PNG or JPG"),
         (bomb(5000, 5000), "5000 x 5000 pixels; at most 16000000"),
         (bomb(12000, 12000), "12000 x 12000 pixels"),

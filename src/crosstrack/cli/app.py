@@ -1,5 +1,6 @@
 """The verbs of the command. What they need is imported when they run, so that `--help` is there at once."""
 
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -113,7 +114,9 @@ def export(mission: Path, plan: Path, *, settings: Settings | None = None) -> in
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command and exit with its code."""
-    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+    code = run(sys.argv[1:] if arguments is None else arguments)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is written: one more Ctrl-C only waits for the exit
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str]) -> int:

@@ -1,8 +1,10 @@
 """What the verbs of the command do."""
 
 import json
+import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.flight import loop
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.log import LogWriter
+from crosstrack.flight.plan import Plan
 from crosstrack.flight.recording import read_log
 from crosstrack.flight.summary import summary
 from crosstrack.mission.check import remarks
@@ -37,23 +40,57 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
     say("Getting ready; the first run compiles for some seconds ...")
     mission = missions.load(file, settings)
     plan = mission.build()
-    for remark in remarks(mission):
+    for remark in [*remarks(mission), *late(plan)]:
         say(f"note: {remark}")
     folder = emptied(out or Path("runs") / plan.name)
     loop.warm_up(plan)
-    with Interrupt() as interrupt:
-        flight = loop.fly(plan, [LogWriter(folder / LOG), Progress(plan), interrupt])
-    write(flight, folder, png)
+    with named(folder):
+        with Interrupt() as interrupt:
+            flight = loop.fly(plan, [Progress(plan), LogWriter(folder / LOG), interrupt])
+        write(flight, folder, png)
     tell(flight, folder, as_json)
     return CODES.get(flight.outcome, NOT_ARRIVED)
 
 
+def late(plan: Plan) -> list[str]:
+    """Say when the time allowed is shorter than the time planned."""
+    planned = plan.course.speed.duration
+    if planned <= plan.timeout:
+        return []
+    return [f"the route is planned for {planned:.0f} s, longer than timing.timeout, {plan.timeout:g} s"]
+
+
 def emptied(folder: Path) -> Path:
     """Make a folder, without the results of an earlier flight."""
-    folder.mkdir(parents=True, exist_ok=True)
+    made(folder)
     for name in (LOG, SUMMARY, REPORT):
         (folder / name).unlink(missing_ok=True)
     return folder
+
+
+def made(folder: Path) -> Path:
+    """Make a folder for results.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise InputError("--out", [Problem(str(folder), "must be a folder, found a file")]) from None
+    except OSError as error:
+        raise InputError("--out", [Problem(str(folder), f"this folder cannot be made: {error.strerror}")]) from None
+    return folder
+
+
+@contextmanager
+def named(folder: Path) -> Iterator[None]:
+    """Name the folder in an error that names no file, such as that of a full disk."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(folder)
+        raise
 
 
 def write(flight: Flight, folder: Path, png: bool) -> None:
@@ -91,7 +128,7 @@ def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
     mission = missions.load(file, settings)
     plan = mission.build()
     sys.stdout.write(dump(mission.document()))
-    for remark in remarks(mission):
+    for remark in [*remarks(mission), *late(plan)]:
         say(f"note: {remark}")
     say(f"{file}: fine. {plan.route.length:.1f} m long, planned for {plan.course.speed.duration:.1f} s.")
     return 0
@@ -100,13 +137,15 @@ def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
 def init(name: str) -> int:
     """Write a mission to start from."""
     path = Path(f"{name.removesuffix('.yaml')}.yaml")
+    if path.name == ".yaml":
+        raise InputError("init", [Problem("NAME", f"must be the name of a mission, such as square; found {name!r}")])
     template = files("crosstrack.mission").joinpath("template.yaml").read_text(encoding="utf-8")
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(template)
     except FileExistsError:
         raise InputError("init", [Problem(str(path), "exists already and is not overwritten")]) from None
-    print(f"Wrote {path}. Fly it: crosstrack fly {path}")
+    print(f"Wrote {path}. Fly it: crosstrack fly {shlex.quote(str(path))}")
     return 0
 
 
@@ -118,9 +157,9 @@ def replay(log: Path, out: Path | None, as_json: bool, png: bool) -> int:
     if outcome is None:
         say("note: the log ends before the flight did")
     flight = Flight(plan, outcome or Outcome.INTERRUPTED, recording.record, recording.wall_time or 0.0)
-    folder = out or log.parent
-    folder.mkdir(parents=True, exist_ok=True)
-    write(flight, folder, png)
+    folder = made(out or log.parent)
+    with named(folder):
+        write(flight, folder, png)
     tell(flight, folder, as_json)
     return 0
 

@@ -6,7 +6,8 @@ Source: the MCAP format specification, version 0.
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +140,16 @@ class ChunkWriter:
         footer = packed(Footer(start, 0, zlib.crc32(summary + unsigned)))
         self._write(summary + footer + MCAP0_MAGIC)
         self._stream.close()
+
+    @contextmanager
+    def whole(self) -> Iterator[None]:
+        """Let the file go where writing it fails, such as on a full disk."""
+        try:
+            yield
+        except OSError:
+            with suppress(OSError):
+                self._stream.close()
+            raise
 
     def _write(self, data: bytes) -> tuple[int, int]:
         """Append bytes; return where they begin and how many they are."""

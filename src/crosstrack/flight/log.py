@@ -43,6 +43,10 @@ class LogWriter:
             OSError: the file cannot be written.
         """
         self._file = ChunkWriter(self.path)
+        with self._file.whole():
+            self._introduce(plan)
+
+    def _introduce(self, plan: Plan) -> None:
         document = json.dumps(plan.document, ensure_ascii=False)
         self._file.metadata("mission", {"name": plan.name, "document": document})
         for name, data in plan.files.items():
@@ -62,9 +66,10 @@ class LogWriter:
 
     def end(self, outcome: Outcome, wall_time: float) -> None:
         """Write what is left, the outcome and the index."""
-        self._flush()
-        self._file.metadata("outcome", {"outcome": outcome.name.lower(), "wall_time": repr(wall_time)})
-        self._file.close()
+        with self._file.whole():
+            self._flush()
+            self._file.metadata("outcome", {"outcome": outcome.name.lower(), "wall_time": repr(wall_time)})
+            self._file.close()
 
     def _flush(self) -> None:
         if not self._rows:

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +19,7 @@ from crosstrack.types import Array, Command, Outcome, Setpoint, State
 PATIENCE = 10.0
 """s without progress after which a vehicle counts as stuck"""
 CRAWL = 0.05
-"""of the cruise speed: slower progress is none"""
+"""of the mean speed planned: slower progress is none"""
 UPSIDE_DOWN = 0.0
 """least cosine of the tilt of a vehicle under control"""
 
@@ -29,11 +30,16 @@ def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
     Observers see the plan, every sample as it is flown, and the outcome, also when an error ends the flight.
     """
     began = time.perf_counter()
-    for observer in observers:
-        observer.begin(plan)
     rows: list[Sample] = []
-    outcome = Outcome.INTERRUPTED
-    try:
+    outcome, wall_time = Outcome.INTERRUPTED, 0.0
+
+    def tell(observer: Observer) -> None:
+        observer.end(outcome, wall_time)
+
+    with ExitStack() as endings:
+        for observer in observers:
+            observer.begin(plan)
+            endings.callback(tell, observer)
         session = plan.vehicle.launch(plan.scenario)
         try:
             outcome = steps(plan, session, rows, observers)
@@ -43,10 +49,7 @@ def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
             outcome = Outcome.INTERRUPTED
         finally:
             session.close()
-    finally:
-        wall_time = time.perf_counter() - began
-        for observer in observers:
-            observer.end(outcome, wall_time)
+            wall_time = time.perf_counter() - began
     if not rows:
         raise LinkLost("the vehicle was lost before it said where it is")
     return Flight(plan, outcome, collect(rows), wall_time)
@@ -56,7 +59,7 @@ def steps(plan: Plan, session: Session, rows: list[Sample], observers: Sequence[
     """Fly step by step, adding to `rows`, until something ends the flight."""
     before = session.truth()
     memory = plan.tracker.start(plan.course, session.sense())
-    memories = [avoider.start(plan.course, session.sense()) for avoider in plan.avoiders]
+    memories = [avoider.start(plan.course, plan.scenario.world, session.sense()) for avoider in plan.avoiders]
     judge = Judge(plan, before.time)
     command: Command = Setpoint()
     clearance = plan.scenario.world.swept(before.position, before.position)
@@ -134,7 +137,8 @@ class Judge:
 
     def stuck(self, time: float, progress: float) -> bool:
         """Return whether the vehicle has made next to no progress for as long as patience lasts."""
-        if progress - self.best >= CRAWL * self.plan.scenario.cruise * PATIENCE:
+        planned = self.plan.course.path.length / self.plan.course.speed.duration
+        if progress - self.best >= CRAWL * planned * PATIENCE:
             self.best, self.since = progress, time
         return time - self.since > PATIENCE
 

@@ -33,6 +33,14 @@ class Scene:
     meshes: tuple[Mesh, ...]
     """the obstacles"""
 
+    def solid(self) -> tuple[Array, NDArray[np.integer]] | None:
+        """Return all obstacles as one mesh: vertices (n, 3) m and triangles (m, 3); None without any."""
+        if not self.meshes:
+            return None
+        starts = np.cumsum([0, *(len(vertices) for _, vertices, _ in self.meshes[:-1])])
+        triangles = [mesh[2] + start for mesh, start in zip(self.meshes, starts, strict=True)]
+        return np.concatenate([vertices for _, vertices, _ in self.meshes]), np.concatenate(triangles)
+
 
 def scene(plan: Plan, points: int = 2000) -> Scene:
     """Return what to draw of a plan; paths as at most `points` points evenly spaced by arc length."""

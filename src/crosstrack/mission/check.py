@@ -1,6 +1,7 @@
 """What the schema cannot see: how the fields of a mission fit each other and the world."""
 
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -74,11 +75,17 @@ def route_is_read(mission: "Mission") -> Faults:
 
 
 def world_is_built(mission: "Mission") -> Faults:
-    """Read the world's files and make its obstacles."""
+    """Read the world's files and make its obstacles; where that fails, try each source alone."""
     try:
         _ = mission.obstacles
-    except InputError as error:
-        yield from ((("world",), f"{error.source}: {problem}") for problem in error.problems)
+    except InputError:
+        world = mission.enu.world
+        alone = replace(world, shapes=(), generate=None, image=None, cloud=None)
+        for name in ("generate", "image", "cloud"):
+            try:
+                replace(alone, **{name: getattr(world, name)}).build(mission.files)
+            except InputError as error:
+                yield from ((("world", name), f"{error.source}: {problem}") for problem in error.problems)
 
 
 def route_leads_somewhere(mission: "Mission") -> Faults:
@@ -95,7 +102,8 @@ def start_is_sound(mission: "Mission") -> Faults:
     place: Place = ("start", "position")
     above = start.position[2] - mission.enu.world.ground
     if start.takeoff and above <= 0.0:
-        yield place, f"is {-above:g} m below the ground: a takeoff climbs to it, so it must be above"
+        where = f"{-above:g} m below" if above < 0.0 else "on"
+        yield place, f"is {where} the ground: a takeoff climbs to it, so it must be above"
     for point in {tuple(start.position), tuple(mission.launch)}:
         yield from ((place, message) for message in _point_faults(mission, np.array([point]))[0])
 

@@ -49,9 +49,19 @@ def problems(error: ValidationError, document: Document) -> dict[Place, Problem]
         place = _place(detail, document.value)
         if _is_echo(detail):
             continue
-        problem = Problem(show(place), _message(detail, place, document.value), line_of(place, document))
-        found.setdefault(place, problem)
+        message = _message(detail, place, document.value)
+        if place in found:
+            message = _either(found[place].message, message)
+        found[place] = Problem(show(place), message, line_of(place, document))
     return found
+
+
+def _either(first: str, second: str) -> str:
+    """Return one message for a value that two alternatives refuse: what either of them wants."""
+    (wanted, comma, value), (other, _, same) = first.rpartition(", found "), second.rpartition(", found ")
+    if value != same or not wanted.startswith("must be ") or not other.startswith("must be "):
+        return first
+    return f"{wanted} or {other.removeprefix('must be ')}{comma}{value}"
 
 
 def _is_echo(detail: ErrorDetails) -> bool:
@@ -97,7 +107,8 @@ def _message(detail: ErrorDetails, place: Place, document: Any) -> str:
 def _length(context: dict[str, Any]) -> str:
     low, high = context.get("min_length"), context.get("max_length")
     bound = f"at least {low}" if low is not None else f"at most {high}"
-    return f"must hold {bound} values, found {context['actual_length']}"
+    values = "value" if 1 in {low, high} else "values"
+    return f"must hold {bound} {values}, found {context['actual_length']}"
 
 
 def _found(value: Any) -> str:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Annotated, Any, ClassVar, Literal
 
-from annotated_types import Ge, Gt, Le, Len
+from annotated_types import Ge, Le, Len
 from pydantic import AfterValidator, ConfigDict, Discriminator, Tag
 
 from crosstrack.follow.carrot import Carrot
@@ -54,7 +54,7 @@ class Start:
 class Timing:
     """How often the tracker is asked, and for how long at most."""
 
-    rate: Annotated[float, Gt(0), Le(1000)] = 50.0
+    rate: Annotated[float, Ge(1), Le(1000)] = 50.0
     """commands per second"""
     timeout: Positive = 300.0
     """s of flight"""

@@ -12,7 +12,7 @@ from crosstrack.errors import InputError, Problem
 
 MAX_BYTES = 4_000_000
 """largest mission or plan file that is read"""
-MAX_VALUES = 200_000
+MAX_VALUES = 500_000
 """most values in one mission file, counted with aliases followed"""
 MAX_DEPTH = 32
 """deepest nesting"""
@@ -73,7 +73,7 @@ class _Walk:
         self.count += 1
         self.lines.setdefault(place, node.start_mark.line + 1)
         if self.count > MAX_VALUES:
-            raise InputError("", [Problem("", f"holds more than {MAX_VALUES} values")])
+            raise InputError("", [_too_many()])
         if len(place) > MAX_DEPTH:
             raise InputError("", [Problem(show(place[:3]), f"is nested deeper than {MAX_DEPTH} levels")])
         if isinstance(node, yaml.MappingNode):
@@ -113,17 +113,40 @@ def parse(text: str, source: str) -> Document:
         raise InputError(source, [Problem("", f"is larger than {MAX_BYTES} bytes")])
     walk = _Walk()
     try:
+        _measure(text)
         node = yaml.compose(text, Loader=_Loader)
         value = None if node is None else walk.value(node, ())
     except yaml.YAMLError as error:
         raise InputError(source, [_syntax(error)]) from None
-    except RecursionError:
-        raise InputError(source, [Problem("", f"is nested deeper than {MAX_DEPTH} levels")]) from None
     except InputError as error:
         raise InputError(source, list(error.problems)) from None
     if walk.problems:
         raise InputError(source, walk.problems)
     return Document(source, value, walk.lines)
+
+
+def _measure(text: str) -> None:
+    """Refuse text that is too deep or too long, event by event: the composer would overflow the stack.
+
+    Raises:
+        InputError: over `MAX_DEPTH` or `MAX_VALUES`.
+    """
+    depth = count = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        elif isinstance(event, yaml.NodeEvent):
+            count += 1
+            depth += isinstance(event, yaml.CollectionStartEvent)
+        if depth > MAX_DEPTH + 1:
+            line = event.start_mark.line + 1 if event.start_mark is not None else None
+            raise InputError("", [Problem("", f"is nested deeper than {MAX_DEPTH} levels", line)])
+        if count > 2 * MAX_VALUES:
+            raise InputError("", [_too_many()])
+
+
+def _too_many() -> Problem:
+    return Problem("", f"holds more than {MAX_VALUES} values")
 
 
 def _syntax(error: yaml.YAMLError) -> Problem:

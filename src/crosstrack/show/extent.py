@@ -15,7 +15,10 @@ FLATTEST = 0.2
 
 
 def extent(flights: Sequence[Flight], drawn: Scene) -> Array:
-    """Return the lowest and the highest corner (2, 3) m of a box around flights, route and obstacles."""
+    """Return the lowest and the highest corner (2, 3) m of a box around flights, route and obstacles.
+
+    What is flatter than the box gets its room above it where there are obstacles: they stand on the box's floor.
+    """
     clouds = [drawn.route, *(flight.record.position for flight in flights), *(mesh[1] for mesh in drawn.meshes)]
     finite = [cloud[np.isfinite(cloud).all(axis=1)] for cloud in clouds]
     low = np.min([cloud.min(axis=0) for cloud in finite if len(cloud)], axis=0)
@@ -23,4 +26,6 @@ def extent(flights: Sequence[Flight], drawn: Scene) -> Array:
     longest = max(float((high - low).max()), 1.0)
     half = np.maximum(high - low, FLATTEST * longest) / 2 + MARGIN * longest
     middle = (low + high) / 2
+    if drawn.meshes:
+        middle[2] = low[2] + half[2] - MARGIN * longest
     return np.array([middle - half, middle + half])

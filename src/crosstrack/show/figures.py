@@ -14,8 +14,8 @@ from crosstrack.flight.scene import Scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import address, footprint
 from crosstrack.show.panels import Panel, Role
-from crosstrack.show.style import COURSE, GRID, INK, OBSTACLE, PALETTE, ROTORS, ROUTE
-from crosstrack.types import Array
+from crosstrack.show.style import ALARM, COURSE, FOOTPRINT, GRID, INK, OBSTACLE, PALETTE, ROTORS, ROUTE
+from crosstrack.types import Array, Outcome
 
 Figure = dict[str, Any]
 FONT = {"family": "system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif", "size": 13, "color": INK}
@@ -60,7 +60,8 @@ def line3(positions: Array, name: str, **line: Any) -> Figure:
 
 def space(views: Sequence[View], scene: Scene) -> Figure:
     """Return the view in space; the traces of the vehicles are added by the page's script."""
-    traces = [solid(name, vertices, triangles) for name, vertices, triangles in merged(scene)]
+    obstacles = scene.solid()
+    traces = [] if obstacles is None else [solid("obstacles", *obstacles)]
     traces.append(line3(scene.route, "route", color=ROUTE, width=2, dash="dash") | {"hoverinfo": "skip"})
     traces.append(line3(scene.course, "course", color=COURSE, width=2) | {"hoverinfo": "skip"})
     for view in views:
@@ -68,16 +69,19 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         traces.append(flown | {"hovertemplate": "%{x:.2f}, %{y:.2f}, %{z:.2f} m", "meta": "flown"})
     box = extent([view.flight for view in views], scene)
     sides = box[1] - box[0]
+    shares = 1.15 * sides / max(sides.max(), np.linalg.norm(sides) / 1.25)
+    ticks = np.maximum(3, np.round(8 * sides / sides.max())).astype(int).tolist()
     axis = {"backgroundcolor": "#f8fafc", "gridcolor": GRID, "showbackground": True, "zeroline": False}
     layout = {
         "font": FONT,
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
         "scene": {
             "aspectmode": "manual",
-            "aspectratio": dict(zip("xyz", (1.12 * sides / sides.max()).tolist(), strict=True)),
-            "camera": {"eye": {"x": -0.9, "y": -1.35, "z": 0.9}},
+            "aspectratio": dict(zip("xyz", shares.tolist(), strict=True)),
+            "camera": {"eye": {"x": -0.9, "y": -1.35, "z": 0.9}, "center": {"x": 0.0, "y": 0.0, "z": -0.08}},
             **{
-                f"{name}axis": axis | {"title": {"text": f"{name} (m)"}, "range": box[:, index].tolist()}
+                f"{name}axis": axis
+                | {"title": {"text": f"{name} (m)"}, "range": box[:, index].tolist(), "nticks": ticks[index]}
                 for index, name in enumerate("xyz")
             },
         },
@@ -85,16 +89,6 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         "uirevision": "keep",
     }
     return {"data": traces, "layout": layout}
-
-
-def merged(scene: Scene) -> list[tuple[str, Array, NDArray[np.integer]]]:
-    """Return all obstacles as one mesh, or none."""
-    if not scene.meshes:
-        return []
-    starts = np.cumsum([0, *(len(vertices) for _, vertices, _ in scene.meshes[:-1])])
-    vertices = np.concatenate([vertices for _, vertices, _ in scene.meshes])
-    triangles = np.concatenate([mesh[2] + start for mesh, start in zip(scene.meshes, starts, strict=True)])
-    return [("obstacles", vertices, triangles)]
 
 
 def solid(name: str, vertices: Array, triangles: NDArray[np.integer]) -> Figure:
@@ -123,18 +117,7 @@ def plan_view(views: Sequence[View], scene: Scene) -> Figure:
         traces.append(curve | flat(view.flight.record.position[view.rows]) | {"name": view.label, "line": line})
     for trace in traces:
         trace["hoverinfo"] = "skip"
-    ends = scene.route[[0, -1]]
-    traces.append(
-        flat(ends)
-        | {
-            "type": "scatter",
-            "mode": "markers",
-            "name": "start and end",
-            "marker": {"symbol": ["circle", "square"], "size": 9, "color": "#fff", "line": {"color": INK, "width": 2}},
-            "text": ["start", "end"],
-            "hovertemplate": "%{text}: %{x:.2f}, %{y:.2f} m<extra></extra>",
-        }
-    )
+    traces += marks(views, scene)
     box = extent([view.flight for view in views], scene)
     axis = {"gridcolor": GRID, "zeroline": False, "automargin": True, "constrain": "domain"}
     layout = {
@@ -147,6 +130,34 @@ def plan_view(views: Sequence[View], scene: Scene) -> Figure:
         "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0},
     }
     return {"data": traces, "layout": layout}
+
+
+def marks(views: Sequence[View], scene: Scene) -> list[Figure]:
+    """Return the marks of the view from above: start, goal, and where a flight ended that did not arrive."""
+    lost = [view.flight for view in views if view.flight.outcome is not Outcome.ARRIVED]
+    ends = [flight.record.position[np.isfinite(flight.record.position).all(axis=1)][-1] for flight in lost]
+    white = {"size": 9, "color": "#fff", "line": {"color": INK, "width": 2}}
+    found = [
+        mark("start", scene.route[:1], white | {"symbol": "circle"}),
+        mark("goal", scene.route[-1:], white | {"symbol": "square"}),
+    ]
+    if ends:
+        found.append(mark("ended here", np.array(ends), {"size": 11, "color": ALARM, "symbol": "x"}))
+    if scene.meshes:
+        square = {"size": 12, "color": FOOTPRINT, "symbol": "square"}
+        found.insert(0, mark("obstacles", np.full((1, 3), np.nan), square))
+    return found
+
+
+def mark(name: str, positions: Array, marker: Figure) -> Figure:
+    """Return positions (n, 3) as points of the view from above."""
+    return flat(positions) | {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "marker": marker,
+        "hovertemplate": f"{name}: %{{x:.2f}}, %{{y:.2f}} m<extra></extra>",
+    }
 
 
 def backdrop(scene: Scene, box: Array) -> Figure:
@@ -191,6 +202,8 @@ def furnish(layout: Figure, panel: Panel, index: int, count: int) -> None:
         "zeroline": False,
         "rangemode": "tozero" if panel.from_zero else "normal",
     }
+    if (limits := panel.range()) is not None:
+        layout[anchor(index, "yaxis")]["range"] = limits
     beside = {"y": top, "yanchor": "bottom"}
     heading = {"text": f"<b>{panel.title}</b> ({panel.unit})", "x": 0, "xanchor": "left", "showarrow": False}
     layout["annotations"].append(heading | beside | {"xref": "paper", "yref": "paper"})

@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from crosstrack.flight.scene import Scene
-from crosstrack.show.style import OBSTACLE
+from crosstrack.show.style import FOOTPRINT
 from crosstrack.types import Array
 
 PIXELS = 1600
 """of the longer side"""
+OUTLINE = 5
+"""pixels, so that a wall thinner than one is seen"""
 
 
 def footprint(scene: Scene, box: Array) -> Image.Image:
@@ -21,14 +23,14 @@ def footprint(scene: Scene, box: Array) -> Image.Image:
     scale = PIXELS / float(sides.max())
     width, height = np.ceil(sides * scale).astype(int).tolist()
     image = Image.new("P", (width, height), 0)
-    image.putpalette([255, 255, 255, *bytes.fromhex(OBSTACLE[1:])])
+    image.putpalette([255, 255, 255, *bytes.fromhex(FOOTPRINT[1:])])
     image.info["transparency"] = 0
     pen = ImageDraw.Draw(image)
     for _, vertices, triangles in scene.meshes:
         across = (vertices[:, :2] - box[0, :2]) * scale
         corners = np.column_stack([across[:, 0], height - across[:, 1]])[triangles]
         for corner in corners[facing_up(vertices[triangles])].reshape(-1, 6).tolist():
-            pen.polygon(corner, fill=1)
+            pen.polygon(corner, fill=1, outline=1, width=OUTLINE)
     return image
 
 

@@ -33,6 +33,17 @@ class Panel:
     series: tuple[Series, ...]
     from_zero: bool = True
     """whether the axis begins at zero"""
+    span: float = 0.0
+    """least range of the axis: variations far below it are no news"""
+
+    def range(self) -> tuple[float, float] | None:
+        """Return the range of an axis that its values alone would leave below `span`; None where they do not."""
+        values = np.concatenate([series.values for series in self.series])
+        values = values[np.isfinite(values)]
+        if self.span == 0.0 or not len(values) or np.ptp(values) >= self.span:
+            return None
+        middle = float(values.min() + values.max()) / 2
+        return middle - self.span / 2, middle + self.span / 2
 
 
 def panels(flight: Flight, error: Array) -> list[Panel]:
@@ -67,7 +78,7 @@ def height(flight: Flight) -> Panel:
     record = flight.record
     planned = flight.plan.course.path(record.progress)[:, 2]
     series = (Series("flown", record.position[:, 2]), Series("course", planned, "planned"))
-    return Panel("Height", "m", series, from_zero=False)
+    return Panel("Height", "m", series, from_zero=False, span=1.0)
 
 
 def rotors(flight: Flight) -> Iterator[Panel]:

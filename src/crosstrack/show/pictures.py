@@ -6,19 +6,22 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from numpy.typing import NDArray
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene, scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
 from crosstrack.show.panels import Panel, Role, panels
-from crosstrack.show.style import GRID, INK, OBSTACLE, PALETTE, ROTORS, ROUTE, SCALE
-from crosstrack.types import Array
+from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, LEAST_TOP, OBSTACLE, PALETTE, ROTORS, ROUTE, SCALE
+from crosstrack.types import Array, Outcome
 
 DPI = 130
+ELEVATION, AZIMUTH = 32.0, -122.0
+"""degrees, where the view in space is taken from"""
 STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":"}
 
 
@@ -59,24 +62,49 @@ def space(flight: Flight, drawn: Scene, error: Array) -> Figure:
     """Draw the view in space, the path coloured by its cross-track error, with equal axes."""
     figure = sheet(9, 7)
     axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
-    for _, vertices, triangles in drawn.meshes:
-        look = {"facecolors": OBSTACLE, "shade": True, "alpha": 0.85, "zorder": 1}
-        axes.add_collection3d(Poly3DCollection(vertices[triangles], **look), autolim=False)
+    if (obstacles := drawn.solid()) is not None:
+        axes.add_collection3d(solid(*obstacles), autolim=False)
     axes.plot(*drawn.route.T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
     position = flight.record.position
     segments = np.stack([position[:-1], position[1:]], axis=1)
     colors = LinearSegmentedColormap.from_list("error", SCALE)
     path = Line3DCollection(segments, cmap=colors, linewidth=2.5, zorder=3)
     path.set_array(error[1:])
-    path.set_clim(0, None)
+    path.set_clim(0, max(LEAST_TOP["error"], float(np.nanmax(error))))
     axes.add_collection(path)
-    axes.plot(*position[:1].T, "o", color="white", markeredgecolor=INK, label="start", zorder=4)
-    axes.plot(*position[-1:].T, "s", color="white", markeredgecolor=INK, label="end", zorder=4)
+    axes.plot([], [], color=SCALE[0][1], linewidth=2.5, label="flown")
+    for label, point, look in ends(flight, drawn):
+        axes.plot(*point[:, None], **look, label=label, zorder=4)
     frame(axes, extent([flight], drawn))
     figure.colorbar(path, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
     heading(axes, flight)
     axes.legend(loc="upper left", frameon=False)
     return figure
+
+
+def solid(vertices: Array, triangles: NDArray[np.integer]) -> Poly3DCollection:
+    """Return the faces of a mesh that are turned to the viewer, so that none shines through another."""
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    up, around = np.radians([ELEVATION, AZIMUTH])
+    towards = np.array([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)])
+    facing = corners[normals @ towards > 0.0]
+    light = LightSource(azdeg=200, altdeg=50)
+    return Poly3DCollection(facing, facecolors=OBSTACLE, shade=True, lightsource=light, antialiased=False, zorder=1)
+
+
+def ends(flight: Flight, drawn: Scene) -> list[tuple[str, Array, dict[str, Any]]]:
+    """Return name, point (3,) m and look of start, goal, and the end of a flight that did not arrive."""
+    white = {"color": "white", "markeredgecolor": INK, "linestyle": "none"}
+    found = [
+        ("start", drawn.route[0], white | {"marker": "o"}),
+        ("goal", drawn.route[-1], white | {"marker": "s"}),
+    ]
+    if flight.outcome is not Outcome.ARRIVED:
+        position = flight.record.position
+        last = position[np.isfinite(position).all(axis=1)][-1]
+        found.append(("ended here", last, {"color": ALARM, "marker": "X", "linestyle": "none"}))
+    return found
 
 
 def frame(axes: Any, box: Array) -> None:
@@ -87,29 +115,34 @@ def frame(axes: Any, box: Array) -> None:
     axes.set_box_aspect(sides)
     for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), sides, strict=True):
         axis.get_major_locator().set_params(nbins=max(2, round(6 * side / sides.max())))
-    axes.view_init(elev=32, azim=-122)
+    axes.zaxis.set_rotate_label(False)
+    axes.zaxis.label.set_rotation(90)
+    axes.set_proj_type("ortho")
+    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
 
 
 def plan_view(flight: Flight, drawn: Scene) -> Figure:
     """Draw the view from above, with equal axes."""
-    figure = sheet(8, 7)
+    box = extent([flight], drawn)
+    across, along = (box[1] - box[0])[:2]
+    figure = sheet(8, 1.4 + 6.6 * min(1.2, max(0.3, along / across)))
     axes: Any = figure.add_subplot()
     position, record = flight.record.position, flight.record
     axes.plot(*drawn.route[:, :2].T, "--", color=ROUTE, linewidth=1.2, label="route")
     axes.plot(*position[:, :2].T, color=PALETTE[0], linewidth=1.8, label="flown")
     every = max(1, len(record.time) // 60)
     axes.plot(*record.aim[::every, :2].T, ".", color=PALETTE[1], markersize=3, label="carrot")
-    axes.plot(*position[0, :2], "o", color="white", markeredgecolor=INK, label="start")
-    axes.plot(*position[-1, :2], "s", color="white", markeredgecolor=INK, label="end")
-    box = extent([flight], drawn)
+    for label, point, look in ends(flight, drawn):
+        axes.plot(*point[:2, None], **look, label=label)
     if drawn.meshes:
         axes.imshow(footprint(drawn, box).convert("RGBA"), extent=box[:, :2].T.ravel())
+        axes.plot([], [], "s", color=FOOTPRINT, markersize=9, label="obstacles")
     axes.set(xlabel="x, east (m)", ylabel="y, north (m)", xlim=box[:, 0], ylim=box[:, 1])
     axes.set_aspect("equal")
     axes.grid(color=GRID)
     axes.set_axisbelow(True)
     heading(axes, flight)
-    figure.legend(loc="outside lower center", ncols=6, frameon=False)
+    figure.legend(loc="outside lower center", ncols=7, frameon=False)
     return figure
 
 
@@ -125,6 +158,8 @@ def times(flight: Flight, shown: list[Panel]) -> Figure:
             axes.plot(flight.record.time, series.values, style, color=color, linewidth=1.2, label=series.label)
         if panel.from_zero:
             axes.set_ylim(bottom=0)
+        if (limits := panel.range()) is not None:
+            axes.set_ylim(limits)
         axes.set_title(f"{panel.title} ({panel.unit})", loc="left", fontsize=10)
         axes.grid(color=GRID)
         axes.spines[["top", "right"]].set_visible(False)

@@ -19,7 +19,7 @@ from crosstrack.flight.scene import Scene, scene
 from crosstrack.flight.summary import summary
 from crosstrack.show.figures import View, packed, plan_view, space, times
 from crosstrack.show.panels import panels
-from crosstrack.show.style import PALETTE, SCALE
+from crosstrack.show.style import LEAST_TOP, PALETTE, SCALE
 from crosstrack.show.words import CARDS, NOTHING, rows
 from crosstrack.types import Array
 
@@ -27,6 +27,8 @@ DRAWN = 4000
 """samples of one flight that are drawn at most, besides the one with the largest error"""
 FRAMES = 200
 """stops of the time slider"""
+LISTED = 200
+"""items of one list of the mission that are written out"""
 TRAIL = 3.0
 """s, behind the vehicle"""
 
@@ -90,10 +92,19 @@ def environment() -> Environment:
 def page(view: View, numbers: dict[str, Any]) -> Page:
     """Return what the template shows of a flight."""
     plan = view.flight.plan
-    mission = yaml.safe_dump(
-        dict(plan.document), sort_keys=False, allow_unicode=True, width=100, default_flow_style=None
-    )
+    document = shortened(dict(plan.document))
+    mission = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100, default_flow_style=None)
     return Page(plan.name, view.color, numbers["outcome"], numbers["outcome_text"], mission)
+
+
+def shortened(value: Any) -> Any:
+    """Return a document with the first `LISTED` items of its longer lists, and how many more there are."""
+    if isinstance(value, dict):
+        return {name: shortened(inner) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        rest = len(value) - LISTED
+        return [*map(shortened, value[:LISTED]), *([f"... and {rest} more"] if rest > 0 else [])]
+    return value
 
 
 def view(flight: Flight, label: str, color: str) -> View:
@@ -127,6 +138,7 @@ def figures(views: Sequence[View], drawn: Scene) -> dict[str, Any]:
         "plan": plan_view(views, drawn),
         "times": times(views),
         "scale": [list(step) for step in SCALE],
+        "least": LEAST_TOP,
         "stops": stops.tolist(),
         "vehicles": [vehicle(view, stops) for view in views],
     }

@@ -7,7 +7,12 @@ COURSE = "#cbd5e1"
 OBSTACLE = "#b6c2d1"
 PALETTE = ("#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
 """of flights, in their order"""
+FOOTPRINT = "#94a3b8"
+"""obstacles from above, where even a thin wall has to stand out from the grid"""
+ALARM = "#dc2626"
 ROTORS = ("#1e293b", "#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
 """of the mean and of the rotors"""
+LEAST_TOP = {"error": 0.1, "speed": 0.1}
+"""m and m/s, what the end of the scale stands for at least: errors of a few centimetres stay blue"""
 SCALE = ((0.0, "#2563eb"), (0.5, "#f59e0b"), (1.0, "#dc2626"))
 """from the least to the largest, in [0, 1], of what a path is coloured by"""

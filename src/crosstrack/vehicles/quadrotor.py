@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Scenario
 from crosstrack.sim import estimate, turbulence
 from crosstrack.sim.airframe import AIRFRAMES, GRAVITY, SEA_LEVEL_DENSITY, Airframe
@@ -16,6 +17,16 @@ from crosstrack.types import Array, AttitudeSetpoint, Command, Envelope, Positiv
 
 HARD_LANDING = 1.5
 """m/s, sinking speed at touchdown from which the ground is hit, not landed on"""
+
+SIDEWAYS, UPWARDS = 0.8, 0.5
+"""of the acceleration that tilt and thrust give, which drag may take at the top speed"""
+
+
+def terminal(square: float, linear: float, acceleration: float) -> float:
+    """Return the speed v (m/s) whose drag is an acceleration (m/s²): square v² + linear v; inf without drag."""
+    if square == 0 and linear == 0:
+        return math.inf
+    return float(2 * acceleration / (linear + math.sqrt(linear**2 + 4 * square * acceleration)))
 
 
 @dataclass(frozen=True)
@@ -28,25 +39,31 @@ class Quadrotor:
     """m, of the sphere that must stay free"""
 
     def envelope(self, scenario: Scenario) -> Envelope:
-        """Return what its thrust and the tilt limit allow while it holds its height, and up and down against drag.
+        """Return what its thrust and the tilt limit allow while it holds its height, and up and down.
 
-        The vertical speed v is the one whose drag takes half of the vertical acceleration a: k v² + c v = a / 2.
+        The top speed v is the one whose drag takes the share SIDEWAYS of what the tilt gives, or UPWARDS of what
+        the thrust gives: k v² + c v = share a.
+
+        Raises:
+            InputError: the air is too thin to hover with thrust to spare.
         """
         airframe, limits, density = AIRFRAMES[self.airframe], scenario.limits, scenario.air.density
         ratio = density / SEA_LEVEL_DENSITY
         lift = MOST_THRUST * airframe.thrust_to_weight * ratio
-        sideways = min(math.tan(math.radians(limits.tilt_deg)), math.sqrt(max(0.0, lift**2 - 1)))
-        vertical = min(limits.acceleration, GRAVITY * min(lift - 1, 1 - LEAST_LIFT))
-        k = airframe.body_drag[2] * density / airframe.mass
-        c = airframe.rotor_drag[2] * ratio * 4 * airframe.rotor_speed_hover / airframe.mass
-        slow = vertical / (c + math.sqrt(c**2 + 2 * k * vertical)) if k + c > 0 else math.inf
+        if lift <= 1:
+            message = f"{density:.3g} kg/m³ is too thin for {self.airframe}: thrust to weight {lift / MOST_THRUST:.2f}"
+            raise InputError("air", [Problem("pressure", f"{message}, above {1 / MOST_THRUST:.2f} is needed")])
+        sideways = GRAVITY * min(math.tan(math.radians(limits.tilt_deg)), math.sqrt(lift**2 - 1))
+        upwards = min(limits.acceleration, GRAVITY * min(lift - 1, 1 - LEAST_LIFT))
+        square = np.multiply(airframe.body_drag, density / airframe.mass)
+        linear = np.multiply(airframe.rotor_drag, ratio * 4 * airframe.rotor_speed_hover / airframe.mass)
         gains = airframe.gains
         response = 1 / gains.attitude + 1 / gains.rate + airframe.motor_time
         return Envelope(
-            speed=limits.speed,
-            speed_vertical=min(limits.speed, slow),
-            acceleration=min(limits.acceleration, GRAVITY * sideways),
-            acceleration_vertical=vertical / 2,
+            speed=min(limits.speed, terminal(max(square[:2]), max(linear[:2]), SIDEWAYS * sideways)),
+            speed_vertical=min(limits.speed, terminal(square[2], linear[2], UPWARDS * upwards)),
+            acceleration=min(limits.acceleration, sideways),
+            acceleration_vertical=(1 - UPWARDS) * upwards,
             response_time=response + scenario.noise.delay,
         )
 

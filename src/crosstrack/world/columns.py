@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrack.errors import InputError
 from crosstrack.types import Array
 from crosstrack.world.files import refuse
 
@@ -50,7 +51,18 @@ def from_text(name: str, data: bytes, rows: int, columns: list[str], line: int) 
     try:
         return np.array([[row[i] for i in where] for row in table], dtype=np.bytes_).astype(float).reshape(-1, 3)
     except ValueError as error:
-        raise refuse(name, f"from line {line}", f"not a number: {error}") from error
+        raise _wrong_number(name, [[row[i] for i in where] for row in table], line) from error
+
+
+def _wrong_number(name: str, table: list[list[bytes]], line: int) -> InputError:
+    """Return the error about the first word of a table that is no number."""
+    for row, words in enumerate(table):
+        for word in words:
+            try:
+                np.array([word]).astype(float)
+            except ValueError:
+                return refuse(name, f"line {line + row}", f"must be a number, found {word.decode('latin-1')[:60]!r}")
+    return refuse(name, f"from line {line}", "must be numbers")
 
 
 def from_records(name: str, place: str, data: bytes, rows: int, record: "np.dtype[np.void]") -> Array:

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import Image, ImageOps, UnidentifiedImageError
 from scipy.ndimage import binary_dilation, binary_erosion
 
 from crosstrack.types import Finite, Positive
@@ -80,6 +80,8 @@ def greys(name: str, data: bytes) -> Grey:
         upright = ImageOps.exif_transpose(picture).convert("RGBA")
     except Image.DecompressionBombError as error:
         raise refuse(name, "size", f"far too many pixels; at most {MOST_CELLS}") from error
+    except UnidentifiedImageError as error:
+        raise refuse(name, "", "not a PNG or JPG") from error
     except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error) as error:
         raise refuse(name, "", f"not a PNG or JPG that can be read: {error}") from error
     paper = Image.new("RGBA", upright.size, "white")

@@ -92,7 +92,7 @@
     const kind = coloring.value;
     const plain = kind === "flight";
     const top = plain ? 1 : vehicles.reduce((most, vehicle) =>
-      vehicle[kind].reduce((a, b) => Math.max(a, b || 0), most), 1e-3);
+      vehicle[kind].reduce((a, b) => Math.max(a, b || 0), most), data.least[kind]);
     vehicles.forEach((vehicle, index) => {
       Plotly.restyle(space, {
         showlegend: plain,
