@@ -138,7 +138,7 @@ def marks(views: Sequence[View], scene: Scene) -> list[Figure]:
     ends = [flight.record.position[np.isfinite(flight.record.position).all(axis=1)][-1] for flight in lost]
     white = {"size": 9, "color": "#fff", "line": {"color": INK, "width": 2}}
     found = [
-        mark("start", scene.route[:1], white | {"symbol": "circle"}),
+        mark("start", np.array([view.flight.record.position[0] for view in views]), white | {"symbol": "circle"}),
         mark("goal", scene.route[-1:], white | {"symbol": "square"}),
     ]
     if ends:

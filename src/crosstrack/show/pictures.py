@@ -97,7 +97,7 @@ def ends(flight: Flight, drawn: Scene) -> list[tuple[str, Array, dict[str, Any]]
     """Return name, point (3,) m and look of start, goal, and the end of a flight that did not arrive."""
     white = {"color": "white", "markeredgecolor": INK, "linestyle": "none"}
     found = [
-        ("start", drawn.route[0], white | {"marker": "o"}),
+        ("start", flight.record.position[0], white | {"marker": "o"}),
         ("goal", drawn.route[-1], white | {"marker": "s"}),
     ]
     if flight.outcome is not Outcome.ARRIVED:
