@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,8 @@ def test_a_block_runs(kind: str, text: str, workplace: Path, monkeypatch: pytest
         for line in text.splitlines():
             target = line.split()[1]
             assert re.search(rf"^{target}:", targets, re.M), f"no target {target} in the Makefile"
+    elif kind == "toml":
+        assert tomllib.loads(text)
     else:
         assert kind == "text"
 

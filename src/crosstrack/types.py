@@ -128,6 +128,7 @@ class Outcome(Enum):
     LOST_CONTROL = "Lost control: the vehicle turned over, or its state is no longer finite."
     LINK_LOST = "Lost the link to the vehicle."
     INTERRUPTED = "Interrupted before the last waypoint."
+    FAILED = "Broken off by an error in the program."
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,7 +160,7 @@ def test_a_bug_is_not_hidden_but_observers_are_told_the_end() -> None:
     watcher = Watcher()
     with pytest.raises(ZeroDivisionError):
         fly(plan_for(LEG, tracker=Broken()), [watcher])
-    assert watcher.outcome is Outcome.INTERRUPTED
+    assert watcher.outcome is Outcome.FAILED
 
 
 class Detour:

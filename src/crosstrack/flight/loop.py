@@ -31,7 +31,7 @@ def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
     """
     began = time.perf_counter()
     rows: list[Sample] = []
-    outcome, wall_time = Outcome.INTERRUPTED, 0.0
+    outcome, wall_time = Outcome.FAILED, 0.0
 
     def tell(observer: Observer) -> None:
         observer.end(outcome, wall_time)
