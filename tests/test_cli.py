@@ -55,7 +55,7 @@ def test_fly_writes_summary_log_and_report_and_prints_the_summary_alone(folder: 
     assert summary["path_length_m"] == pytest.approx(8)
     assert summary == json.loads((folder / "runs/hop/summary.json").read_text())
     assert all((folder / "runs/hop" / name).stat().st_size for name in FILES)
-    assert "compiles" in done.stderr
+    assert "Getting ready" in done.stderr
     assert "Flying hop: " in done.stderr
     assert "Arrived at the last waypoint." in done.stderr
 
@@ -85,7 +85,7 @@ def test_flights_that_fail_leave_everything_behind(
     assert json.loads(captured.out)["outcome"] == outcome
     assert all((folder / "runs/bad" / name).stat().st_size for name in FILES)
     if code == 4:
-        assert "note: the leg from (0, 0, 5) to (4, 0, 5) passes an obstacle at -0.05 m" in captured.err
+        assert "note: the leg from (0, 0, 5) to (4, 0, 5) goes through an obstacle" in captured.err
 
 
 def test_a_lost_link_exits_5(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,7 +241,7 @@ def test_check_prints_a_mission_that_loads_equal(folder: Path, capsys: pytest.Ca
     captured = capsys.readouterr()
     (folder / "resolved.yaml").write_text(captured.out)
     assert load(folder / "resolved.yaml") == load(folder / "hop.yaml", ["tracker.lookahead=2"])
-    assert "hop.yaml: fine. 8.0 m long" in captured.err
+    assert "hop.yaml: fine. Route 8.0 m" in captured.err
 
 
 def test_check_prints_the_schema(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -311,3 +311,19 @@ def test_help_and_version(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     assert all(verb in out for verb in ["fly", "check", "init", "list", "replay", "export", "Exit codes"])
     assert run([]) == 0
+
+
+def test_a_plan_is_named_by_a_mission(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "first.plan").write_text("{}")
+    assert run(["fly", "first.plan"]) == 2
+    assert "name it in a mission file, as `route: first.plan`" in capsys.readouterr().err
+
+
+def test_check_calls_nothing_fine_that_has_notes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "odd.yaml").write_text(HOP + "world: {shapes: [{box: {min: [2, -1, 0], max: [2.1, 1, 9]}}]}\n")
+    assert run(["check", "odd.yaml", "--set", "start.yaw=90"]) == 0
+    said = capsys.readouterr().err
+    assert "goes through an obstacle" in said
+    assert "start.yaw is 90 rad" in said
+    assert "valid, but see the notes" in said
+    assert "fine" not in said

@@ -125,7 +125,7 @@ return found.size;
 RECOLOUR = """
 byId("coloring").value = "speed";
 byId("coloring").dispatchEvent(new Event("change"));
-return trace("square").line.colorbar.title.text;
+return trace("flown").line.colorbar.title.text;
 """
 PLAY = """
 const before = look();

@@ -18,7 +18,7 @@ from crosstrack.show.extent import extent
 from crosstrack.show.panels import Panel, Series, panels
 from crosstrack.show.report import figures as drawn_by_script
 from crosstrack.show.report import shortened, view
-from crosstrack.show.style import FOOTPRINT, GRID
+from crosstrack.show.style import FOOTPRINT, GRID, SCALE
 from crosstrack.types import Array, Outcome
 
 
@@ -62,6 +62,9 @@ def test_goal_and_end_of_flight_are_told_apart(flight: Flight, outcome: Outcome,
     traces = {trace["name"]: trace for trace in figures.plan_view([view(flown, "f", "#000000")], still)["data"]}
     np.testing.assert_allclose(unpacked(traces["goal"]), still.route[-1:, :2])
     assert ("ended here" in traces) is ended
+    names = [trace["name"] for trace in figures.space([view(flown, "f", "#000000")], still)["data"]]
+    assert {"start", "goal", "flown"} <= set(names)
+    assert ("ended here" in names) is ended
     if ended:
         np.testing.assert_allclose(unpacked(traces["ended here"]), [[3.0, 4.0]])
     found = {name: point for name, point, _ in pictures.ends(flown, still)}
@@ -85,7 +88,7 @@ def test_centimetres_are_drawn_as_small(fly_square: Callable[..., Flight]) -> No
     assert drawn_by_script([view(steady, "f", "#000000")], scene(steady.plan))["least"]["error"] == 0.1
     (axes, *_) = pictures.space(steady, scene(steady.plan), error).axes
     (path,) = [part for part in axes.collections if isinstance(part, Line3DCollection)]
-    assert path.get_clim() == (0, 0.1)
+    assert path.get_colors()[:, 2].min() > to_rgb(SCALE[1][1])[2]  # no further along the scale than its middle
     (height,) = [panel for panel in panels(steady, error) if panel.title == "Height"]
     limits = height.range()
     assert limits is not None

@@ -37,7 +37,7 @@ def fly(
 
     Args:
         mission: the mission file
-        out: folder for summary.json, flight.mcap and report.html; by default runs/<name of the mission>
+        out: folder for summary.json, flight.mcap and report.html; by default runs/NAME, with the name of the mission
         vehicle: the kind of vehicle to fly with instead, such as point
         settings: change one value of the mission, such as tracker.lookahead=2; may be given several times
         json: print the summary on standard output, and nothing else there
@@ -130,6 +130,7 @@ def run(arguments: Sequence[str]) -> int:
     except LinkLost as error:
         return complain(str(error), LINK_LOST)
     except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         return complain("interrupted", INTERRUPTED)
     except BrokenPipeError:
         sys.stderr.close()  # whoever read the output is gone: nothing to say, and no one to say it to

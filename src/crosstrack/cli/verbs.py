@@ -10,6 +10,7 @@ from pathlib import Path
 
 from crosstrack import mission as missions
 from crosstrack.cli.watch import Interrupt, Progress, say
+from crosstrack.compiled import cache_folder
 from crosstrack.errors import InputError, Problem
 from crosstrack.flight import loop
 from crosstrack.flight.flight import Flight
@@ -27,9 +28,9 @@ LOG, SUMMARY, REPORT = "flight.mcap", "summary.json", "report.html"
 SHOWN = {
     "flight_time_s": "flight time, s",
     "ideal_time_s": "planned time, s",
-    "cross_track_rms_m": "cross-track error RMS, m",
-    "cross_track_max_m": "cross-track error max, m",
-    "final_error_m": "distance to the last point, m",
+    "cross_track_rms_m": "cross-track error, RMS, m",
+    "cross_track_max_m": "largest cross-track error, m",
+    "final_error_m": "distance to the last waypoint, m",
     "min_clearance_m": "least clearance, m",
     "max_speed_mps": "top speed, m/s",
 }
@@ -37,8 +38,8 @@ SHOWN = {
 
 def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, png: bool) -> int:
     """Fly a mission and write what it leaves behind."""
-    say("Getting ready; the first run compiles for some seconds ...")
     mission = missions.load(file, settings)
+    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some seconds ...")
     plan = mission.build()
     for remark in [*remarks(mission), *late(plan)]:
         say(f"note: {remark}")
@@ -50,6 +51,11 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
         write(flight, folder, png)
     tell(flight, folder, as_json)
     return CODES.get(flight.outcome, NOT_ARRIVED)
+
+
+def compiled_before() -> bool:
+    """Return whether there is machine code from an earlier run."""
+    return any(cache_folder().rglob("*.nbc"))
 
 
 def late(plan: Plan) -> list[str]:
@@ -128,9 +134,11 @@ def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
     mission = missions.load(file, settings)
     plan = mission.build()
     sys.stdout.write(dump(mission.document()))
-    for remark in [*remarks(mission), *late(plan)]:
+    notes = [*remarks(mission), *late(plan)]
+    for remark in notes:
         say(f"note: {remark}")
-    say(f"{file}: fine. {plan.route.length:.1f} m long, planned for {plan.course.speed.duration:.1f} s.")
+    verdict = "valid, but see the notes" if notes else "fine"
+    say(f"{file}: {verdict}. Route {plan.route.length:.1f} m, planned for {plan.course.speed.duration:.1f} s.")
     return 0
 
 

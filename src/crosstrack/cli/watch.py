@@ -31,7 +31,7 @@ class Progress:
 
     def begin(self, plan: Plan) -> None:
         """Announce the flight."""
-        say(f"Flying {plan.name}: {self.length:.1f} m, planned for {plan.course.speed.duration:.1f} s.")
+        say(f"Flying {plan.name}: course {self.length:.1f} m, planned for {plan.course.speed.duration:.1f} s.")
         self.due = time.monotonic() + LINE_EVERY
         if sys.stderr.isatty():
             self.bar = _bar()
@@ -83,12 +83,14 @@ class Interrupt:
         self.previous = signal.signal(signal.SIGINT, self.note)
         return self
 
-    def __exit__(self, *reason: object) -> None:
-        signal.signal(signal.SIGINT, self.previous)
+    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
+        if kind is not KeyboardInterrupt:
+            signal.signal(signal.SIGINT, self.previous)
 
     def note(self, number: int, frame: FrameType | None) -> None:
         """Remember the first signal."""
         if self.asked:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # it breaks off now: a third one changes nothing
             raise KeyboardInterrupt
         self.asked = True
 

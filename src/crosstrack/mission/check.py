@@ -1,5 +1,6 @@
 """What the schema cannot see: how the fields of a mission fit each other and the world."""
 
+import math
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -15,6 +16,9 @@ from crosstrack.types import Array
 
 if TYPE_CHECKING:
     from crosstrack.mission.mission import Mission
+
+TURN = 2 * math.pi
+"""rad"""
 
 Faults = Iterator[tuple[Place, str]]
 
@@ -157,15 +161,27 @@ CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
 
 
 def remarks(mission: "Mission") -> list[str]:
-    """Say what of the `.plan` file is not flown, and which legs of the route are too close to an obstacle."""
-    points, world, radius = mission.points, mission.obstacles, mission.vehicle.radius
-    legs = pairwise(points)
-    close = [(a, b, least) for a, b in legs if (least := world.swept(a, b)) < radius]
+    """Say what of the `.plan` file is not flown, which legs come too close, and what looks like a slip."""
+    yaw = mission.start.yaw
     return [
         *(f"{mission.route}: {remark}" for remark in (mission.survey.remarks if mission.survey else ())),
-        *(
-            f"the leg from {_write(a)} to {_write(b)} passes an obstacle at {least:.2f} m, "
-            f"nearer than vehicle.radius, {radius:g} m"
-            for a, b, least in close[:10]
-        ),
+        *([f"start.yaw is {yaw:g} rad, more than a full turn: was it meant in degrees?"] if abs(yaw) > TURN else []),
+        *leg_remarks(mission),
     ]
+
+
+def leg_remarks(mission: "Mission") -> list[str]:
+    """Say which legs of the route, the first 10, come too close to an obstacle or go through one."""
+    world, radius = mission.obstacles, mission.vehicle.radius
+    clearances = ((a, b, world.swept(a, b)) for a, b in pairwise(mission.points))
+    close = [
+        f"the leg from {_write(a)} to {_write(b)} "
+        + (
+            "goes through an obstacle"
+            if least < 0
+            else f"passes an obstacle at {least:.2f} m, nearer than vehicle.radius, {radius:g} m"
+        )
+        for a, b, least in clearances
+        if least < radius
+    ]
+    return close[:10]

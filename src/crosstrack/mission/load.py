@@ -39,7 +39,11 @@ def load(path: str | Path, settings: Sequence[str] = ()) -> Mission:
         InputError: everything that is wrong with it, each with its place and line.
     """
     path = Path(path)
-    document = parse(read_text(path), str(path))
+    text = read_text(path)
+    if path.suffix.lower() == ".plan":
+        message = f"is a route, not a mission: name it in a mission file, as `route: {path.name}`"
+        raise InputError(str(path), [Problem("", message)])
+    document = parse(text, str(path))
     if isinstance(document.value, dict):
         document.value.setdefault("name", path.stem)
     return validated(document, path.parent, settings)

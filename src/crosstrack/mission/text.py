@@ -151,7 +151,8 @@ def _too_many() -> Problem:
 
 def _syntax(error: yaml.YAMLError) -> Problem:
     if isinstance(error, yaml.MarkedYAMLError) and error.problem_mark is not None:
-        return Problem("", f"not YAML: {error.problem}", error.problem_mark.line + 1)
+        problem = str(error.problem).replace("character '\\t'", "a tab")
+        return Problem("", f"not YAML: {problem}", error.problem_mark.line + 1)
     return Problem("", f"not YAML: {str(error).splitlines()[0]}")
 
 

@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL.Image import Transpose
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import address, footprint
 from crosstrack.show.panels import Panel, Role
-from crosstrack.show.style import ALARM, COURSE, FOOTPRINT, GRID, INK, OBSTACLE, PALETTE, ROTORS, ROUTE
+from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, OBSTACLE, ROUTE
 from crosstrack.types import Array, Outcome
 
 Figure = dict[str, Any]
 FONT = {"family": "system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif", "size": 13, "color": INK}
+TITLES = {"x": "x, east (m)", "y": "y, north (m)", "z": "z (m)"}
 DASHES: dict[Role, str] = {"flown": "solid", "planned": "dash", "asked": "dot"}
 
 
@@ -63,10 +65,15 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
     obstacles = scene.solid()
     traces = [] if obstacles is None else [solid("obstacles", *obstacles)]
     traces.append(line3(scene.route, "route", color=ROUTE, width=2, dash="dash") | {"hoverinfo": "skip"})
-    traces.append(line3(scene.course, "course", color=COURSE, width=2) | {"hoverinfo": "skip"})
     for view in views:
-        flown = line3(view.flight.record.position[view.rows], view.label, color=view.color, width=7)
-        traces.append(flown | {"hovertemplate": "%{x:.2f}, %{y:.2f}, %{z:.2f} m", "meta": "flown"})
+        name = name_of(view, views)
+        flown = line3(view.flight.record.position[view.rows], name, color=view.color, width=7)
+        flown |= {"hovertemplate": "%{x:.2f}, %{y:.2f}, %{z:.2f} m", "meta": "flown"}
+        traces.append(flown | {"legendgroup": name, "showlegend": False})
+    for view in views:  # in the legend: a path of many colours is black there
+        name = name_of(view, views)
+        traces.append(line3(np.full((1, 3), np.nan), name, color=view.color, width=5) | {"legendgroup": name})
+    traces += [mark3(*each) for each in marks(views, scene)]
     box = extent([view.flight for view in views], scene)
     sides = box[1] - box[0]
     shares = 1.15 * sides / max(sides.max(), np.linalg.norm(sides) / 1.25)
@@ -81,7 +88,7 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
             "camera": {"eye": {"x": -0.9, "y": -1.35, "z": 0.9}, "center": {"x": 0.0, "y": 0.0, "z": -0.08}},
             **{
                 f"{name}axis": axis
-                | {"title": {"text": f"{name} (m)"}, "range": box[:, index].tolist(), "nticks": ticks[index]}
+                | {"title": {"text": TITLES[name]}, "range": box[:, index].tolist(), "nticks": ticks[index]}
                 for index, name in enumerate("xyz")
             },
         },
@@ -89,6 +96,11 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         "uirevision": "keep",
     }
     return {"data": traces, "layout": layout}
+
+
+def name_of(view: View, views: Sequence[View]) -> str:
+    """Return what the path of a flight is called: alone it needs no name of its own."""
+    return view.label if len(views) > 1 else "flown"
 
 
 def solid(name: str, vertices: Array, triangles: NDArray[np.integer]) -> Figure:
@@ -99,7 +111,8 @@ def solid(name: str, vertices: Array, triangles: NDArray[np.integer]) -> Figure:
         "name": name,
         "color": OBSTACLE,
         "flatshading": True,
-        "lighting": {"ambient": 0.7, "diffuse": 0.5, "specular": 0.05},
+        # the limit applies to squared areas in units of the view: by default small faces are left without light
+        "lighting": {"ambient": 0.7, "diffuse": 0.5, "specular": 0.05, "facenormalsepsilon": 0},
         "hoverinfo": "skip",
         "showlegend": True,
         **points(vertices),
@@ -109,43 +122,44 @@ def solid(name: str, vertices: Array, triangles: NDArray[np.integer]) -> Figure:
 
 def plan_view(views: Sequence[View], scene: Scene) -> Figure:
     """Return the view from above, with equal axes."""
-    traces: list[Figure] = []
+    box = extent([view.flight for view in views], scene)
+    traces: list[Figure] = [backdrop(scene, box)] if scene.meshes else []
     curve = {"type": "scatter", "mode": "lines"}
     traces.append(curve | flat(scene.route) | {"name": "route", "line": {"color": ROUTE, "dash": "dash", "width": 1.5}})
     for view in views:
         line = {"color": view.color, "width": 2.5}
-        traces.append(curve | flat(view.flight.record.position[view.rows]) | {"name": view.label, "line": line})
+        traces.append(
+            curve | flat(view.flight.record.position[view.rows]) | {"name": name_of(view, views), "line": line}
+        )
     for trace in traces:
         trace["hoverinfo"] = "skip"
-    traces += marks(views, scene)
-    box = extent([view.flight for view in views], scene)
-    axis = {"gridcolor": GRID, "zeroline": False, "automargin": True, "constrain": "domain"}
+    if scene.meshes:
+        square = {"size": 12, "color": FOOTPRINT, "symbol": "square"}
+        traces.append(mark("obstacles", np.full((1, 3), np.nan), square))
+    traces += [mark(*each) for each in marks(views, scene)]
+    axis = {"gridcolor": GRID, "zeroline": False, "automargin": True, "ticks": "", "constrain": "domain"}
     layout = {
         "font": FONT,
         "margin": {"l": 50, "r": 12, "t": 30, "b": 44},
         "plot_bgcolor": "#fff",
         "xaxis": axis | {"title": {"text": "x, east (m)"}, "range": box[:, 0].tolist()},
         "yaxis": axis | {"title": {"text": "y, north (m)"}, "range": box[:, 1].tolist(), "scaleanchor": "x"},
-        "images": [backdrop(scene, box)] if scene.meshes else [],
         "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0},
     }
     return {"data": traces, "layout": layout}
 
 
-def marks(views: Sequence[View], scene: Scene) -> list[Figure]:
-    """Return the marks of the view from above: start, goal, and where a flight ended that did not arrive."""
+def marks(views: Sequence[View], scene: Scene) -> list[tuple[str, Array, Figure]]:
+    """Return name, points (n, 3) m and marker of start, goal, and where a flight ended that did not arrive."""
     lost = [view.flight for view in views if view.flight.outcome is not Outcome.ARRIVED]
     ends = [flight.record.position[np.isfinite(flight.record.position).all(axis=1)][-1] for flight in lost]
     white = {"size": 9, "color": "#fff", "line": {"color": INK, "width": 2}}
     found = [
-        mark("start", np.array([view.flight.record.position[0] for view in views]), white | {"symbol": "circle"}),
-        mark("goal", scene.route[-1:], white | {"symbol": "square"}),
+        ("start", np.array([view.flight.record.position[0] for view in views]), white | {"symbol": "circle"}),
+        ("goal", scene.route[-1:], white | {"symbol": "square"}),
     ]
     if ends:
-        found.append(mark("ended here", np.array(ends), {"size": 11, "color": ALARM, "symbol": "x"}))
-    if scene.meshes:
-        square = {"size": 12, "color": FOOTPRINT, "symbol": "square"}
-        found.insert(0, mark("obstacles", np.full((1, 3), np.nan), square))
+        found.append(("ended here", np.array(ends), {"size": 11, "color": ALARM, "symbol": "x"}))
     return found
 
 
@@ -160,11 +174,34 @@ def mark(name: str, positions: Array, marker: Figure) -> Figure:
     }
 
 
+def mark3(name: str, positions: Array, marker: Figure) -> Figure:
+    """Return positions (n, 3) as points in space."""
+    outlined = {"color": INK, "symbol": f"{marker['symbol']}-open"} if "line" in marker else {}
+    return points(positions) | {
+        "type": "scatter3d",
+        "mode": "markers",
+        "name": name,
+        "marker": {"size": 0.7 * marker["size"], "color": marker["color"], "symbol": marker["symbol"]} | outlined,
+        "hovertemplate": f"{name}: %{{x:.2f}}, %{{y:.2f}}, %{{z:.2f}} m<extra></extra>",
+    }
+
+
 def backdrop(scene: Scene, box: Array) -> Figure:
-    """Return the obstacles as an image under the view from above."""
-    (west, south), (east, north) = box[:, :2].tolist()
-    place = {"xref": "x", "yref": "y", "x": west, "y": north, "sizex": east - west, "sizey": north - south}
-    return {"source": address(footprint(scene, box)), "sizing": "stretch", "layer": "below", **place}
+    """Return the obstacles as an image over the grid of the view from above, its first row in the south."""
+    image = footprint(scene, box)
+    pixel = (box[1] - box[0])[:2] / image.size
+    (x, y), (dx, dy) = (box[0, :2] + pixel / 2).tolist(), pixel.tolist()
+    source = address(image.transpose(Transpose.FLIP_TOP_BOTTOM))
+    return {
+        "type": "image",
+        "name": "footprint",
+        "source": source,
+        "x0": x,
+        "y0": y,
+        "dx": dx,
+        "dy": dy,
+        "zsmooth": "fast",
+    }
 
 
 def times(views: Sequence[View]) -> Figure:
@@ -201,6 +238,7 @@ def furnish(layout: Figure, panel: Panel, index: int, count: int) -> None:
         "gridcolor": GRID,
         "zeroline": False,
         "rangemode": "tozero" if panel.from_zero else "normal",
+        "autorangeoptions": {"include": panel.headroom()},
     }
     if (limits := panel.range()) is not None:
         layout[anchor(index, "yaxis")]["range"] = limits
@@ -219,12 +257,9 @@ def curves(view: View, panel: Panel, index: int, alone: bool) -> list[Figure]:
     """Return the lines of one panel; beside other flights only the first series, under the flight's name."""
     time = packed(view.flight.record.time[view.rows])
     shown = panel.series if alone else panel.series[:1]
-    many = len(panel.series) > 3
     traces = []
     for number, series in enumerate(shown):
-        color = ROTORS[number % len(ROTORS)] if many and alone else view.color
-        if series.role != "flown" and alone:
-            color = PALETTE[number + 1] if not many else INK
+        color = panel.colors[number] if alone else view.color
         traces.append(
             {
                 "type": "scatter",

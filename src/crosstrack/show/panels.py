@@ -8,9 +8,12 @@ import numpy as np
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.metrics import tilt
+from crosstrack.show.style import PALETTE, ROTORS
 from crosstrack.types import Array
 
 Role = Literal["flown", "planned", "asked"]
+HEADROOM = 0.1
+"""above the largest value, of the range of all"""
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,25 @@ class Panel:
     span: float = 0.0
     """least range of the axis: variations far below it are no news"""
 
+    @property
+    def colors(self) -> tuple[str, ...]:
+        """Return the colour of every series."""
+        return (ROTORS if len(self.series) > 3 else PALETTE)[: len(self.series)]
+
+    def headroom(self) -> list[float]:
+        """Return the value above all others that an axis takes in, so that none runs along its end; or nothing."""
+        values = self.finite()
+        return [float(values.max() + HEADROOM * np.ptp(values))] if len(values) else []
+
+    def finite(self) -> Array:
+        """Return the finite values of all series, (n,)."""
+        values = np.concatenate([series.values for series in self.series])
+        finite: Array = values[np.isfinite(values)]
+        return finite
+
     def range(self) -> tuple[float, float] | None:
         """Return the range of an axis that its values alone would leave below `span`; None where they do not."""
-        values = np.concatenate([series.values for series in self.series])
-        values = values[np.isfinite(values)]
+        values = self.finite()
         if self.span == 0.0 or not len(values) or np.ptp(values) >= self.span:
             return None
         middle = float(values.min() + values.max()) / 2
@@ -52,7 +70,7 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
         Panel("Cross-track error", "m", (Series("cross-track error", error),)),
         speed(flight),
         height(flight),
-        Panel("Tilt", "°", (Series("tilt", np.degrees(tilt(flight.record.attitude))),)),
+        *tilted(flight),
         *rotors(flight),
         *clearance(flight),
         *wind(flight),
@@ -66,7 +84,7 @@ def speed(flight: Flight) -> Panel:
     asked = np.linalg.norm(record.command_velocity, axis=1)
     series = [
         Series("flown", np.linalg.norm(record.velocity, axis=1)),
-        Series("profile", planned, "planned"),
+        Series("planned", planned, "planned"),
     ]
     if np.isfinite(asked).any():
         series.append(Series("asked for", asked, "asked"))
@@ -79,6 +97,13 @@ def height(flight: Flight) -> Panel:
     planned = flight.plan.course.path(record.progress)[:, 2]
     series = (Series("flown", record.position[:, 2]), Series("course", planned, "planned"))
     return Panel("Height", "m", series, from_zero=False, span=1.0)
+
+
+def tilted(flight: Flight) -> Iterator[Panel]:
+    """Yield the tilt, where the vehicle tilts."""
+    angle = np.degrees(tilt(flight.record.attitude))
+    if (angle > 0).any():
+        yield Panel("Tilt", "°", (Series("tilt", angle),))
 
 
 def rotors(flight: Flight) -> Iterator[Panel]:

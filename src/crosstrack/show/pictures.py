@@ -1,27 +1,35 @@
 """The figures of a flight as PNG files."""
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LightSource, LinearSegmentedColormap
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LightSource, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from numpy.typing import NDArray
+from PIL import Image, ImageChops, ImageOps
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene, scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
-from crosstrack.show.panels import Panel, Role, panels
-from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, LEAST_TOP, OBSTACLE, PALETTE, ROTORS, ROUTE, SCALE
+from crosstrack.show.panels import HEADROOM, Panel, Role, panels
+from crosstrack.show.sight import hidden, towards
+from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, LEAST_TOP, OBSTACLE, PALETTE, ROUTE, SCALE
 from crosstrack.types import Array, Outcome
 
 DPI = 130
+MARGIN = 40
+"""pixels, around a picture"""
 ELEVATION, AZIMUTH = 32.0, -122.0
 """degrees, where the view in space is taken from"""
+HIDDEN = 0.25
+"""opacity of a path behind obstacles"""
 STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":"}
 
 
@@ -46,9 +54,20 @@ def pictures(flight: Flight, folder: str | Path) -> list[Path]:
     paths = []
     for name, make in made.items():
         figure = make()
-        figure.savefig(folder / name, dpi=DPI, bbox_inches="tight", pad_inches=0.3, facecolor="white")
+        write(figure, folder / name)
         paths.append(folder / name)
     return paths
+
+
+def write(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG without the empty bands around it."""
+    drawing = io.BytesIO()
+    figure.savefig(drawing, dpi=DPI, facecolor="white")
+    with Image.open(drawing) as opened:
+        image = opened.convert("RGB")
+    filled = ImageChops.difference(image, Image.new("RGB", image.size, "white")).getbbox()
+    trimmed = image.crop(filled)
+    ImageOps.expand(trimmed, MARGIN, "white").save(path)
 
 
 def sheet(width: float, height: float) -> Figure:
@@ -59,38 +78,55 @@ def sheet(width: float, height: float) -> Figure:
 
 
 def space(flight: Flight, drawn: Scene, error: Array) -> Figure:
-    """Draw the view in space, the path coloured by its cross-track error, with equal axes."""
-    figure = sheet(9, 7)
+    """Draw the view in space with equal axes: the path coloured by its cross-track error, faint behind obstacles."""
+    figure = sheet(9, 6.5)
     axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
-    if (obstacles := drawn.solid()) is not None:
-        axes.add_collection3d(solid(*obstacles), autolim=False)
-    axes.plot(*drawn.route.T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
-    position = flight.record.position
-    segments = np.stack([position[:-1], position[1:]], axis=1)
+    if (faces := facing(drawn)) is not None:
+        axes.add_collection3d(solid(faces), autolim=False)
+    route = np.where(behind(drawn.route, faces)[:, None], np.nan, drawn.route)
+    axes.plot(*route.T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
     colors = LinearSegmentedColormap.from_list("error", SCALE)
-    path = Line3DCollection(segments, cmap=colors, linewidth=2.5, zorder=3)
-    path.set_array(error[1:])
-    path.set_clim(0, max(LEAST_TOP["error"], float(np.nanmax(error))))
-    axes.add_collection(path)
+    scale = ScalarMappable(Normalize(0, max(LEAST_TOP["error"], float(np.nanmax(error)))), colors)
+    axes.add_collection(path(flight, scale.to_rgba(error[1:]), faces))
     axes.plot([], [], color=SCALE[0][1], linewidth=2.5, label="flown")
     for label, point, look in ends(flight, drawn):
         axes.plot(*point[:, None], **look, label=label, zorder=4)
     frame(axes, extent([flight], drawn))
-    figure.colorbar(path, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
+    figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
     heading(axes, flight)
     axes.legend(loc="upper left", frameon=False)
     return figure
 
 
-def solid(vertices: Array, triangles: NDArray[np.integer]) -> Poly3DCollection:
-    """Return the faces of a mesh that are turned to the viewer, so that none shines through another."""
+def path(flight: Flight, colors: Array, faces: Array | None) -> Line3DCollection:
+    """Return the path flown, a line for every step, faint where it is behind the faces of obstacles."""
+    position = flight.record.position
+    segments = np.stack([position[:-1], position[1:]], axis=1)
+    far = behind(segments.mean(axis=1), faces)
+    faint = np.where(far[:, None], colors * [1, 1, 1, HIDDEN], colors)
+    return Line3DCollection(segments, colors=faint, linewidth=np.where(far, 1.5, 2.5), capstyle="butt", zorder=3)
+
+
+def behind(points: Array, faces: Array | None) -> NDArray[np.bool_]:
+    """Return which points (n, 3) m are hidden by faces (m, 3, 3) m, (n,)."""
+    return np.zeros(len(points), dtype=bool) if faces is None else hidden(points, faces, towards(ELEVATION, AZIMUTH))
+
+
+def facing(drawn: Scene) -> Array | None:
+    """Return the faces (n, 3, 3) m of obstacles turned to the viewer, so that none shines through another."""
+    if (obstacles := drawn.solid()) is None:
+        return None
+    vertices, triangles = obstacles
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    up, around = np.radians([ELEVATION, AZIMUTH])
-    towards = np.array([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)])
-    facing = corners[normals @ towards > 0.0]
+    turned: Array = corners[normals @ towards(ELEVATION, AZIMUTH) > 0.0]
+    return turned
+
+
+def solid(faces: Array) -> Poly3DCollection:
+    """Return faces (n, 3, 3) m in the light."""
     light = LightSource(azdeg=200, altdeg=50)
-    return Poly3DCollection(facing, facecolors=OBSTACLE, shade=True, lightsource=light, antialiased=False, zorder=1)
+    return Poly3DCollection(faces, facecolors=OBSTACLE, shade=True, lightsource=light, antialiased=False, zorder=1)
 
 
 def ends(flight: Flight, drawn: Scene) -> list[tuple[str, Array, dict[str, Any]]]:
@@ -111,6 +147,7 @@ def frame(axes: Any, box: Array) -> None:
     """Fit axes in space to a box (2, 3) m, a metre as long along each."""
     axes.set(xlim=box[:, 0], ylim=box[:, 1], zlim=box[:, 2])
     axes.set(xlabel="x, east (m)", ylabel="y, north (m)", zlabel="z (m)")
+    axes.xaxis.labelpad = axes.yaxis.labelpad = 12
     sides = box[1] - box[0]
     axes.set_box_aspect(sides)
     for axis, side in zip((axes.xaxis, axes.yaxis, axes.zaxis), sides, strict=True):
@@ -135,7 +172,7 @@ def plan_view(flight: Flight, drawn: Scene) -> Figure:
     for label, point, look in ends(flight, drawn):
         axes.plot(*point[:2, None], **look, label=label)
     if drawn.meshes:
-        axes.imshow(footprint(drawn, box).convert("RGBA"), extent=box[:, :2].T.ravel())
+        axes.imshow(footprint(drawn, box).convert("RGBA"), extent=box[:, :2].T.ravel(), zorder=0.6)
         axes.plot([], [], "s", color=FOOTPRINT, markersize=9, label="obstacles")
     axes.set(xlabel="x, east (m)", ylabel="y, north (m)", xlim=box[:, 0], ylim=box[:, 1])
     axes.set_aspect("equal")
@@ -151,11 +188,10 @@ def times(flight: Flight, shown: list[Panel]) -> Figure:
     figure = sheet(9, 1 + 1.5 * len(shown))
     rows: Any = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axes, panel in zip(rows, shown, strict=True):
-        many = len(panel.series) > 3
-        for number, series in enumerate(panel.series):
-            color = (ROTORS if many else PALETTE)[number]
+        for color, series in zip(panel.colors, panel.series, strict=True):
             style = STYLES[series.role]
             axes.plot(flight.record.time, series.values, style, color=color, linewidth=1.2, label=series.label)
+        axes.margins(x=0, y=HEADROOM)
         if panel.from_zero:
             axes.set_ylim(bottom=0)
         if (limits := panel.range()) is not None:
@@ -163,7 +199,6 @@ def times(flight: Flight, shown: list[Panel]) -> Figure:
         axes.set_title(f"{panel.title} ({panel.unit})", loc="left", fontsize=10)
         axes.grid(color=GRID)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.margins(x=0)
         if len(panel.series) > 1:
             place = {"loc": "lower right", "bbox_to_anchor": (1, 0.98), "borderaxespad": 0.2}
             axes.legend(ncols=len(panel.series), frameon=False, fontsize=9, **place)

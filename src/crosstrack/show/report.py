@@ -53,7 +53,7 @@ def report(flights: Sequence[Flight], path: str | Path) -> Path:
 
     Args:
         flights: at least one
-        path: the HTML file
+        path: the HTML file; its folder is made where it is missing
 
     Raises:
         OSError: the file cannot be written.
@@ -75,6 +75,7 @@ def report(flights: Sequence[Flight], path: str | Path) -> Path:
             data=script_safe(figures(views, drawn)),
         )
     )
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path
 

@@ -3,7 +3,6 @@
 INK = "#1e293b"
 GRID = "#e2e8f0"
 ROUTE = "#64748b"
-COURSE = "#cbd5e1"
 OBSTACLE = "#b6c2d1"
 PALETTE = ("#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
 """of flights, in their order"""

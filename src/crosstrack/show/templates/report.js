@@ -95,7 +95,6 @@
       vehicle[kind].reduce((a, b) => Math.max(a, b || 0), most), data.least[kind]);
     vehicles.forEach((vehicle, index) => {
       Plotly.restyle(space, {
-        showlegend: plain,
         line: [plain ? { width: 7, color: vehicle.color } : {
           width: 7, color: Array.from(vehicle[kind]), cmin: 0, cmax: top, colorscale: data.scale, showscale: index === 0,
           colorbar: { title: { text: kind === "speed" ? "speed (m/s)" : "error (m)", side: "right" },
