@@ -114,8 +114,10 @@ def export(mission: Path, plan: Path, *, settings: Settings | None = None) -> in
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command and exit with its code."""
-    code = run(sys.argv[1:] if arguments is None else arguments)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is written: one more Ctrl-C only waits for the exit
+    try:
+        code = run(sys.argv[1:] if arguments is None else arguments)
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is written: one more Ctrl-C only waits for the exit
     sys.exit(code)
 
 

@@ -1,5 +1,6 @@
 """What is said, and listened to, while a flight is flown."""
 
+import os
 import signal
 import sys
 import time
@@ -10,6 +11,8 @@ from crosstrack.flight.observer import Sample
 from crosstrack.flight.plan import Plan
 from crosstrack.types import Outcome
 
+INTERRUPTED = 130
+"""the exit code after Ctrl-C"""
 LINE_EVERY = 5.0
 """s of the machine, between two lines where there is no terminal"""
 FRAME_EVERY = 0.1
@@ -71,7 +74,7 @@ def _bar() -> Any:
 
 
 class Interrupt:
-    """End the flight between two samples on the first Ctrl-C; a second one breaks off at once.
+    """End the flight between two samples on the first Ctrl-C; a second one breaks off at once, later or not.
 
     Acting only between samples keeps the log whole.
     """
@@ -83,15 +86,18 @@ class Interrupt:
         self.previous = signal.signal(signal.SIGINT, self.note)
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        if kind is not KeyboardInterrupt:
+    def __exit__(self, *reason: object) -> None:
+        if not self.asked:
             signal.signal(signal.SIGINT, self.previous)
 
     def note(self, number: int, frame: FrameType | None) -> None:
-        """Remember the first signal."""
+        """Remember the first signal, and exit at the second.
+
+        No exception is raised out of the blue: Python exits with another code where one passes through `exec`.
+        """
         if self.asked:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # it breaks off now: a third one changes nothing
-            raise KeyboardInterrupt
+            say("interrupted")
+            os._exit(INTERRUPTED)
         self.asked = True
 
     def begin(self, plan: Plan) -> None:
