@@ -9,9 +9,8 @@ from typing import Annotated
 from cyclopts import App, CycloptsError, Parameter
 
 from crosstrack import __version__
+from crosstrack.cli.codes import BAD_INPUT, DONE, INTERRUPTED, LINK_LOST
 from crosstrack.errors import InputError, LinkLost
-
-DONE, BAD_INPUT, NOT_ARRIVED, COLLIDED, LINK_LOST, INTERRUPTED = 0, 2, 3, 4, 5, 130
 
 app = App(
     name="crosstrack",

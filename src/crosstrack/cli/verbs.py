@@ -9,6 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from crosstrack import mission as missions
+from crosstrack.cli import codes
 from crosstrack.cli.watch import Interrupt, Progress, say
 from crosstrack.compiled import cache_folder
 from crosstrack.errors import InputError, Problem
@@ -22,8 +23,12 @@ from crosstrack.mission.check import remarks
 from crosstrack.mission.load import dump
 from crosstrack.types import Outcome
 
-CODES = {Outcome.ARRIVED: 0, Outcome.COLLIDED: 4, Outcome.LINK_LOST: 5, Outcome.INTERRUPTED: 130}
-NOT_ARRIVED = 3
+CODES = {
+    Outcome.ARRIVED: codes.DONE,
+    Outcome.COLLIDED: codes.COLLIDED,
+    Outcome.LINK_LOST: codes.LINK_LOST,
+    Outcome.INTERRUPTED: codes.INTERRUPTED,
+}
 LOG, SUMMARY, REPORT = "flight.mcap", "summary.json", "report.html"
 SHOWN = {
     "flight_time_s": "flight time, s",
@@ -50,7 +55,7 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
             flight = loop.fly(plan, [Progress(plan), LogWriter(folder / LOG), interrupt])
         write(flight, folder, png)
     tell(flight, folder, as_json)
-    return CODES.get(flight.outcome, NOT_ARRIVED)
+    return CODES.get(flight.outcome, codes.NOT_ARRIVED)
 
 
 def compiled_before() -> bool:

@@ -7,12 +7,11 @@ import time
 from types import FrameType
 from typing import Any
 
+from crosstrack.cli.codes import INTERRUPTED
 from crosstrack.flight.observer import Sample
 from crosstrack.flight.plan import Plan
 from crosstrack.types import Outcome
 
-INTERRUPTED = 130
-"""the exit code after Ctrl-C"""
 LINE_EVERY = 5.0
 """s of the machine, between two lines where there is no terminal"""
 FRAME_EVERY = 0.1

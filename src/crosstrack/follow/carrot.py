@@ -95,10 +95,11 @@ class Carrot:
         memory = CarrotMemory(s, aim, drift, math.sqrt(offset @ offset), speed * asked)
         if last and envelope.stops:
             return Setpoint(position=aim), memory
-        across = drift - (drift @ tangent) * tangent
         push = ahead(course, s, tangent, state.velocity) + self.cross_track_gain * offset
         push = push + self.heading_gain * speed * turn(state.velocity, asked)
-        return Setpoint(velocity=speed * asked + across, acceleration=limited(push, envelope.acceleration)), memory
+        return Setpoint(
+            velocity=speed * asked + across(drift, tangent), acceleration=limited(push, envelope.acceleration)
+        ), memory
 
     def lookahead_at(self, speed: float, envelope: Envelope) -> float:
         """Return the lookahead (m) at a speed (m/s): a vehicle that cannot slow down looks a turning radius ahead."""
@@ -113,8 +114,12 @@ def drifted(memory: CarrotMemory, velocity: Array, tangent: Array, share: float,
     """
     if velocity @ memory.course <= 0:
         return memory.drift
-    miss = memory.course - velocity
-    return limited(memory.drift + share * (miss - (miss @ tangent) * tangent), most)
+    return limited(memory.drift + share * across(memory.course - velocity, tangent), most)
+
+
+def across(vector: Array, along: Array) -> Array:
+    """Return the part of a vector that is perpendicular to a unit vector."""
+    return vector - (vector @ along) * along
 
 
 def direction(vector: Array) -> Array:
@@ -157,4 +162,4 @@ def limited(vector: Array, most: float) -> Array:
 def turn(velocity: Array, asked: Array) -> Array:
     """Return the part of the unit vector `asked` that lies across the course flown; zero for a vehicle at rest."""
     flown = direction(velocity)
-    return asked - (asked @ flown) * flown if flown.any() else flown
+    return across(asked, flown) if flown.any() else flown
