@@ -1,0 +1,106 @@
+"""Many trajectories of one shape in one call."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crosstrack.errors import InputError, Problem
+from crosstrack.trajectory.banded import COLUMNS, GUIDES, kernel
+from crosstrack.trajectory.conditions import ORDERS
+from crosstrack.trajectory.minimum import LOST, minimum
+from crosstrack.types import Array
+
+
+def minimum_batch(
+    waypoints: ArrayLike,
+    times: ArrayLike,
+    derivative: int = 3,
+    *,
+    start: ArrayLike | None = None,
+    end: ArrayLike | None = None,
+) -> Array:
+    """Return the coefficients of many minimum-derivative trajectories, each as `minimum` makes it without guides.
+
+    Args:
+        waypoints: (m, n, d) m, of m trajectories
+        times: (m, n) s, increasing along each
+        derivative: s, 2 for acceleration, 3 for jerk, 4 for snap
+        start: (m, k, d) or (k, d) velocity, acceleration, ... at the first waypoints, k < s; rows of NaN are free, rows
+            that are not there are zero
+        end: likewise at the last
+
+    Returns:
+        shape (m, n - 1, 2 s, d), ascending powers of the local time of each segment.
+
+    Raises:
+        InputError: all that is wrong with the arguments, or one trajectory is undetermined.
+    """
+    points, moments = np.asarray(waypoints, float), np.asarray(times, float)
+    found = _faults(points, moments, derivative)
+    if found:
+        raise InputError("minimum_batch", found)
+    count, length, dimensions = points.shape
+    knots = np.full((count, length, derivative, dimensions), np.nan)
+    knots[:, :, 0] = points - points[:, :1]
+    for name, value, knot in (("start", start, knots[:, 0, 1:]), ("end", end, knots[:, -1, 1:])):
+        found += _fill(name, value, knot)
+    if found:
+        raise InputError("minimum_batch", found)
+    ends = knots[:, [0, -1], 1:].copy()
+    out = np.empty((count, length - 1, 2 * derivative, dimensions))
+    bad = np.zeros(count, dtype=bool)
+    for first in range(0, dimensions, COLUMNS):
+        bad |= _solve(np.diff(moments, axis=1), knots[..., first : first + COLUMNS], out[..., first : first + COLUMNS])
+    out[:, :, 0] += points[:, :1]
+    for k in np.flatnonzero(bad):
+        single = minimum(points[k], moments[k], derivative, start=ends[k, 0], end=ends[k, 1])
+        out[k] = single.coefficients
+    return out
+
+
+def _solve(durations: Array, knots: Array, out: Array) -> NDArray[np.bool_]:
+    """Fill in the coefficients of at most COLUMNS axes; return which trajectories (m,) have lost too many digits."""
+    count, segments, terms, width = out.shape
+    few = np.zeros((count * (segments + 1), terms // 2, COLUMNS))
+    few[:, :, :width] = knots.reshape(-1, terms // 2, width)
+    coefficients, least = np.empty((count * segments, terms, COLUMNS)), np.empty(count)
+    nothing = np.empty((0, GUIDES)), np.empty((0, terms, COLUMNS))
+    kernel(terms // 2)(durations.ravel(), few, *nothing, coefficients, least)
+    out[:] = coefficients[:, :, :width].reshape(out.shape)
+    return np.asarray(~(least > LOST))
+
+
+def _faults(points: Array, moments: Array, derivative: int) -> list[Problem]:
+    """Return what is wrong with waypoints and times."""
+    found = [] if derivative in ORDERS else [Problem("derivative", f"must be 2, 3 or 4, found {derivative!r}")]
+    if points.ndim != 3 or points.shape[1] < 2 or points.size == 0:
+        found.append(Problem("waypoints", f"must have the shape (m, n, d) with n of at least 2, found {points.shape}"))
+    elif moments.shape != points.shape[:2]:
+        found.append(Problem("times", f"must have the shape {points.shape[:2]}, found {moments.shape}"))
+    for name, array in (("waypoints", points), ("times", moments)):
+        if not np.isfinite(array).all():
+            where = np.argwhere(~np.isfinite(array))[0].tolist()
+            found.append(Problem(f"{name}{where}", f"must be a finite number, found {array[tuple(where)]}"))
+    if not found and not (rising := np.diff(moments, axis=1) > 0).all():
+        trajectory, k = np.argwhere(~rising)[0]
+        before, after = moments[trajectory, k : k + 2]
+        found.append(Problem(f"times[{trajectory}, {k + 1}]", f"must be after {before:g} s, found {after:g} s"))
+    return found
+
+
+def _fill(name: str, value: ArrayLike | None, knot: Array) -> list[Problem]:
+    """Write the derivatives given at one end into (m, s - 1, d)."""
+    count, most, dimensions = knot.shape
+    knot[:] = 0.0
+    if value is None:
+        return []
+    rows = np.asarray(value, float)
+    if rows.ndim not in {2, 3} or rows.shape[-1] != dimensions or rows.shape[-2] > most:
+        allowed = f"(k, {dimensions}) or ({count}, k, {dimensions}) with k of at most {most}"
+        return [Problem(name, f"must have the shape {allowed}, found {rows.shape}")]
+    if rows.ndim == 3 and len(rows) != count:
+        return [Problem(name, f"must be one for each of the {count} trajectories, found {len(rows)}")]
+    missing = np.isnan(rows)
+    if np.isinf(rows).any() or (missing.any(axis=-1) & ~missing.all(axis=-1)).any():
+        return [Problem(name, "must have rows that are finite, or NaN as a whole")]
+    knot[:, : rows.shape[-2]] = rows
+    return []
