@@ -30,7 +30,7 @@ def test_shapes_follow_the_times_and_the_ends_answer_outside() -> None:
     curve = random_curve(3)
     assert curve(0.5).shape == (3,)
     assert curve(np.zeros((2, 5)), 1).shape == (2, 5, 3)
-    np.testing.assert_array_equal(curve([-1.0, curve.duration + 9]), curve([0.0, curve.duration]))
+    np.testing.assert_array_equal(curve(np.array([-1.0, curve.duration + 9])), curve(np.array([0.0, curve.duration])))
     assert curve.degree == 5
     assert curve.duration == pytest.approx(curve.durations.sum())
 

@@ -5,8 +5,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from crosstrack.errors import InputError, Problem
 from crosstrack.trajectory.banded import COLUMNS, GUIDES, kernel
+from crosstrack.trajectory.closed_form import LOST
 from crosstrack.trajectory.conditions import ORDERS
-from crosstrack.trajectory.minimum import LOST, minimum
+from crosstrack.trajectory.minimum import minimum
 from crosstrack.types import Array
 
 

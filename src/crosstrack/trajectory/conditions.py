@@ -34,7 +34,7 @@ class Conditions:
     @property
     def order(self) -> int:
         """The derivative s that is minimised."""
-        return self.knots.shape[1]
+        return int(self.knots.shape[1])
 
 
 def conditions(

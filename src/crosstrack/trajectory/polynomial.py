@@ -32,7 +32,7 @@ class PiecewisePolynomial:
     @property
     def degree(self) -> int:
         """Of every piece."""
-        return self.coefficients.shape[1] - 1
+        return int(self.coefficients.shape[1]) - 1
 
     def __call__(self, t: float | Array, order: int = 0) -> Array:
         """Evaluate the derivative of an order at the time `t` (s, shape (...)), 0 at the start of the first piece.
