@@ -17,7 +17,7 @@ test: $(VENV)/installed-test lint
 test-slow: $(VENV)/installed-test
 	$(BIN)/pytest -n $(JOBS) -m slow --fail-on-skip
 
-bench: $(VENV)/installed-test
+bench: $(VENV)/installed-bench
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 # The pictures of the documentation.
@@ -44,6 +44,10 @@ $(VENV)/installed: $(VENV)/bin/python pyproject.toml
 $(VENV)/installed-test: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
 	touch $@ $(VENV)/installed
+
+$(VENV)/installed-bench: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,bench]"
+	touch $@ $(VENV)/installed-test $(VENV)/installed
 
 clean:
 	rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis

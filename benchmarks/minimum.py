@@ -7,6 +7,7 @@ are not installed are left out: `pip install minsnap-trajectories drake`.
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -122,7 +123,7 @@ def main() -> None:
             cases = {
                 "compiled call": compiled_call(segments, s, guided=False),
                 "compiled call, guided": compiled_call(segments, s, guided=True),
-                "minimum()": lambda w=waypoints, t=times, order=s: minimum(w, t, order),
+                "minimum()": partial(minimum, waypoints, times, s),
                 "scipy make_interp_spline": scipy_spline(segments, s),
             }
             if peers["minsnap_trajectories"] and s > 2 and segments <= 10:
