@@ -19,7 +19,7 @@ from crosstrack.types import Array, Command, Outcome, Setpoint, State
 PATIENCE = 10.0
 """s without progress after which a vehicle counts as stuck"""
 CRAWL = 0.05
-"""of the mean speed planned: slower progress is none"""
+"""of the progress planned: less is none"""
 UPSIDE_DOWN = 0.0
 """least cosine of the tilt of a vehicle under control"""
 
@@ -112,9 +112,13 @@ class Judge:
     """m, progress that counts"""
     since: float = field(init=False)
     """s, when it was reached"""
+    owed: float = field(default=0.0, init=False)
+    """m, what the plan has covered since"""
+    last: float = field(init=False)
+    """s, time of the sample before"""
 
     def __post_init__(self) -> None:
-        self.since = self.start
+        self.since = self.last = self.start
         self.goal = self.plan.route(self.plan.route.length)
 
     def verdict(self, before: State, now: State, progress: float, clearance: float, touched: bool) -> Outcome | None:
@@ -136,11 +140,19 @@ class Judge:
         return None
 
     def stuck(self, time: float, progress: float) -> bool:
-        """Return whether the vehicle has made next to no progress for as long as patience lasts."""
-        planned = self.plan.course.path.length / self.plan.course.speed.duration
-        if progress - self.best >= CRAWL * planned * PATIENCE:
-            self.best, self.since = progress, time
+        """Return whether the vehicle has made next to none of the progress planned for as long as patience lasts."""
+        self.owed += self.planned(time)
+        if progress - self.best >= CRAWL * self.owed:
+            self.best, self.since, self.owed = progress, time, 0.0
         return time - self.since > PATIENCE
+
+    def planned(self, time: float) -> float:
+        """Return how far (m) the plan goes from the sample before until this one; after its end, at its mean speed."""
+        course, before, self.last = self.plan.course, self.last, time
+        timetable = course.trajectory
+        if timetable is None or time - self.start > timetable.duration:
+            return course.path.length / course.speed.duration * (time - before)
+        return float(np.linalg.norm(timetable(time - self.start) - timetable(before - self.start)))
 
 
 def lawful(state: State) -> bool:
