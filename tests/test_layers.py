@@ -12,8 +12,8 @@ import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
 BASE = {"types", "protocols", "errors", "frames", "compiled", "registry"}
-ROLES = {"world", "path", "follow", "avoid", "sim", "vehicles"}
-EDGES = {("vehicles", "sim"), ("follow", "path")}
+ROLES = {"world", "path", "trajectory", "plan", "follow", "avoid", "sim", "vehicles"}
+EDGES = {("vehicles", "sim"), ("follow", "path"), ("trajectory", "path"), ("plan", "path"), ("plan", "trajectory")}
 ABOVE = ["flight", "mission", "show", "cli"]
 """each may import all before it, the roles and the base"""
 

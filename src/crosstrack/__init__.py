@@ -10,9 +10,11 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from crosstrack.errors import CrosstrackError as CrosstrackError
+    from crosstrack.errors import Infeasible as Infeasible
     from crosstrack.errors import InputError as InputError
     from crosstrack.flight.flight import Flight as Flight
     from crosstrack.flight.plan import Plan as Plan
+    from crosstrack.mission.certified import certified as certified
     from crosstrack.mission.flying import fly as fly
     from crosstrack.mission.load import from_document as from_document
     from crosstrack.mission.load import load as load
@@ -21,22 +23,26 @@ if TYPE_CHECKING:
     from crosstrack.mission.mission import Mission as Mission
     from crosstrack.mission.schema import Start as Start
     from crosstrack.show.pictures import pictures as pictures
+    from crosstrack.show.plan_page import plan_page as plan_page
     from crosstrack.show.report import report as report
     from crosstrack.types import Outcome as Outcome
 
 _PUBLIC = {
     "CrosstrackError": "errors",
     "Flight": "flight.flight",
+    "Infeasible": "errors",
     "InputError": "errors",
     "Mission": "mission.mission",
     "Outcome": "types",
     "Plan": "flight.plan",
     "Start": "mission.schema",
+    "certified": "mission.certified",
     "fly": "mission.flying",
     "from_document": "mission.load",
     "load": "mission.load",
     "loads": "mission.load",
     "pictures": "show.pictures",
+    "plan_page": "show.plan_page",
     "report": "show.report",
     "save": "mission.load",
 }

@@ -38,5 +38,19 @@ class InputError(CrosstrackError):
         super().__init__("\n".join([f"{source}: {count}", *(f"  {problem}" for problem in problems)]))
 
 
+class Infeasible(CrosstrackError):  # noqa: N818 - the field's word for it
+    """A sound question that has no answer, with what stands in the way.
+
+    Args:
+        source: what was asked
+        problems: which constraints contradict one another, where, and by how much; never empty
+    """
+
+    def __init__(self, source: str, problems: list[Problem]) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        super().__init__("\n".join([f"{source}: infeasible", *(f"  {problem}" for problem in problems)]))
+
+
 class LinkLost(CrosstrackError):  # noqa: N818 - the field's word for it
     """The vehicle no longer answers."""

@@ -1,6 +1,7 @@
 """The seams between the roles. Whatever satisfies one of these plugs in by a line of the registry."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from crosstrack.types import Air, Array, Command, Envelope, Limits, Noise, Scan, State, Wind
@@ -24,6 +25,21 @@ class Path(Protocol):
         """Return the arc length of the point of the path closest to `point` within `near` ± `reach`.
 
         Local, so that crossing, closed and reversing paths do not jump.
+        """
+
+
+class Trajectory(Protocol):
+    """A curve in space by time."""
+
+    @property
+    def duration(self) -> float:
+        """s"""
+
+    def __call__(self, t: float | Array, order: int = 0) -> Array:
+        """Evaluate at the time `t` (s, shape (...)): position or its derivative of an order.
+
+        Returns:
+            shape (..., 3); m/s^order. Outside [0, duration] the ends answer.
         """
 
 
@@ -71,6 +87,50 @@ class Course:
     envelope: Envelope
     entry: float = 0.0
     """m, arc length where the flight begins"""
+    trajectory: Trajectory | None = None
+    """the same as a function of time; None where only the path is planned"""
+
+
+@dataclass(frozen=True)
+class PlanningTask:
+    """What a planner is asked for: a trajectory from rest to rest."""
+
+    waypoints: Array
+    """(n, 3) m, at least two, no two in a row the same: where it begins, what it leads through, where it ends"""
+    speed: float
+    """m/s, cruise: the fastest it may be"""
+    tolerance: float
+    """m, that the mission allows to either side of the straight legs"""
+    envelope: Envelope
+    """what the vehicle can do, less what is left to its tracker"""
+    world: Map
+    radius: float
+    """m, of the vehicle"""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """contents of the files that the planner names"""
+
+
+class Planner(Protocol):
+    """A law that turns waypoints into a trajectory."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The files that it reads."""
+
+    def allowed(self, tolerance: float) -> float | None:
+        """Return how far (m) from the straight legs its trajectories may be at most; None where they may be anywhere.
+
+        Args:
+            tolerance: m, of the mission
+        """
+
+    def plan(self, task: PlanningTask) -> Trajectory:
+        """Return the trajectory.
+
+        Raises:
+            InputError: a file of its own cannot be used.
+            Infeasible: no trajectory keeps within what is asked for, with where and why.
+        """
 
 
 class Memory(Protocol):

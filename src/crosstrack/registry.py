@@ -16,8 +16,14 @@ BUILT_IN: dict[str, dict[str, str]] = {
         "quadrotor": "crosstrack.vehicles.quadrotor:Quadrotor",
         "point": "crosstrack.vehicles.point:Point",
     },
+    "planner": {
+        "minimum_snap": "crosstrack.plan.minimum:MinimumSnap",
+        "minimum_jerk": "crosstrack.plan.minimum:MinimumJerk",
+        "file": "crosstrack.plan.from_file:FromFile",
+    },
     "tracker": {
         "carrot": "crosstrack.follow.carrot:Carrot",
+        "feed_forward": "crosstrack.follow.feed_forward:FeedForward",
     },
     "avoider": {},
     "generator": {

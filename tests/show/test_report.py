@@ -16,10 +16,10 @@ from crosstrack.flight.metrics import Metrics
 from crosstrack.flight.scene import Scene, scene
 from crosstrack.flight.summary import summary
 from crosstrack.show.extent import extent
-from crosstrack.show.figures import packed
 from crosstrack.show.footprint import footprint
 from crosstrack.show.panels import panels
 from crosstrack.show.report import report, thinned
+from crosstrack.show.traces import packed
 from crosstrack.show.words import LABELS, number
 
 Fly = Callable[..., Flight]

@@ -10,7 +10,7 @@ from cyclopts import App, CycloptsError, Parameter
 
 from crosstrack import __version__
 from crosstrack.cli.codes import BAD_INPUT, DONE, INTERRUPTED, LINK_LOST
-from crosstrack.errors import InputError, LinkLost
+from crosstrack.errors import CrosstrackError, LinkLost
 
 app = App(
     name="crosstrack",
@@ -19,6 +19,7 @@ app = App(
     help_epilogue="Exit codes: 0 done (arrived), 2 bad input, 3 not arrived, 4 collided, 5 link lost, 130 interrupted.",
 )
 Settings = Annotated[list[str], Parameter(name="--set", negative=())]
+Trajectory = Annotated[Path | None, Parameter(name="--from")]
 Switch = Annotated[bool, Parameter(negative=())]
 
 
@@ -27,6 +28,7 @@ def fly(
     mission: Path,
     *,
     out: Path | None = None,
+    trajectory: Trajectory = None,
     vehicle: str | None = None,
     settings: Settings | None = None,
     json: Switch = False,
@@ -37,15 +39,41 @@ def fly(
     Args:
         mission: the mission file
         out: folder for summary.json, flight.mcap and report.html; by default runs/NAME, with the name of the mission
+        trajectory: fly the trajectory of this file, .json or .csv, instead of planning one
         vehicle: the kind of vehicle to fly with instead, such as point
         settings: change one value of the mission, such as tracker.lookahead=2; may be given several times
         json: print the summary on standard output, and nothing else there
         png: write the report's figures as pictures too
     """
-    from crosstrack.cli import verbs
+    from crosstrack.cli import planning, verbs
 
     chosen = [f"vehicle.kind={vehicle}"] if vehicle is not None else []
-    return verbs.fly(mission, out, chosen + (settings or []), json, png)
+    given = planning.from_file(mission, trajectory)
+    return verbs.fly(mission, out, given + chosen + (settings or []), json, png)
+
+
+@app.command
+def plan(
+    mission: Path,
+    *,
+    out: Path | None = None,
+    trajectory: Trajectory = None,
+    settings: Settings | None = None,
+    json: Switch = False,
+) -> int:
+    """Plan a mission's trajectory, certify it and write both; exit with 2 where a limit is exceeded.
+
+    Args:
+        mission: the mission file, with a planner
+        out: folder for trajectory.json and .csv, certificate.json and plan.html; by default runs/NAME, with the name of
+            the mission
+        trajectory: certify the trajectory of this file, .json or .csv, instead of planning one
+        settings: change one value of the mission, such as planner.kind=minimum_jerk; may be given several times
+        json: print the certificate on standard output, and nothing else there
+    """
+    from crosstrack.cli import planning
+
+    return planning.plan(mission, trajectory, out, settings or [], json)
 
 
 @app.command
@@ -126,10 +154,10 @@ def run(arguments: Sequence[str]) -> int:
         result = app(list(arguments), exit_on_error=False, print_error=False, result_action="return_value")
     except CycloptsError as error:
         return complain(f"{error}\nTry: crosstrack --help", BAD_INPUT)
-    except InputError as error:
-        return complain(str(error), BAD_INPUT)
     except LinkLost as error:
         return complain(str(error), LINK_LOST)
+    except CrosstrackError as error:
+        return complain(str(error), BAD_INPUT)
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         return complain("interrupted", INTERRUPTED)

@@ -19,6 +19,8 @@ from crosstrack.flight.log import LogWriter
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.recording import read_log
 from crosstrack.flight.summary import summary
+from crosstrack.mission.certified import certified
+from crosstrack.mission.certified import remarks as breaches
 from crosstrack.mission.check import remarks
 from crosstrack.mission.load import dump
 from crosstrack.types import Outcome
@@ -35,6 +37,8 @@ SHOWN = {
     "ideal_time_s": "planned time, s",
     "cross_track_rms_m": "cross-track error, RMS, m",
     "cross_track_max_m": "largest cross-track error, m",
+    "tracking_rms_m": "tracking error, RMS, m",
+    "tracking_max_m": "largest tracking error, m",
     "final_error_m": "distance to the last waypoint, m",
     "min_clearance_m": "least clearance, m",
     "max_speed_mps": "top speed, m/s",
@@ -46,7 +50,7 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
     mission = missions.load(file, settings)
     say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some seconds ...")
     plan = mission.build()
-    for remark in [*remarks(mission), *late(plan)]:
+    for remark in notes(mission, plan):
         say(f"note: {remark}")
     folder = emptied(out or Path("runs") / plan.name)
     loop.warm_up(plan)
@@ -61,6 +65,12 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
 def compiled_before() -> bool:
     """Return whether there is machine code from an earlier run."""
     return any(cache_folder().rglob("*.nbc"))
+
+
+def notes(mission: missions.Mission, plan: Plan) -> list[str]:
+    """Say what is odd about a mission, and which limits its planned trajectory breaks."""
+    planned = breaches(certified(mission, plan)) if mission.planner is not None else []
+    return [*remarks(mission), *planned, *late(plan)]
 
 
 def late(plan: Plan) -> list[str]:
@@ -139,10 +149,10 @@ def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
     mission = missions.load(file, settings)
     plan = mission.build()
     sys.stdout.write(dump(mission.document()))
-    notes = [*remarks(mission), *late(plan)]
-    for remark in notes:
+    told = notes(mission, plan)
+    for remark in told:
         say(f"note: {remark}")
-    verdict = "valid, but see the notes" if notes else "fine"
+    verdict = "valid, but see the notes" if told else "fine"
     say(f"{file}: {verdict}. Route {plan.route.length:.1f} m, planned for {plan.course.speed.duration:.1f} s.")
     return 0
 

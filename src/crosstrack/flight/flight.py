@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-from crosstrack.flight.metrics import Metrics, cross_track, measure
+from crosstrack.flight.metrics import Metrics, cross_track, measure, tracking
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
@@ -23,6 +23,11 @@ class Flight:
     def cross_track(self) -> Array:
         """(n,) m, distance of every position to the route near the progress; NaN where not finite"""
         return cross_track(self.plan, self.record)
+
+    @cached_property
+    def tracking(self) -> Array:
+        """(n,) m, distance of every position to where the trajectory is by then; NaN without a trajectory"""
+        return tracking(self.plan, self.record)
 
     @cached_property
     def metrics(self) -> Metrics:

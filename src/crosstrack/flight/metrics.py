@@ -38,6 +38,10 @@ class Metrics:
     """m, likewise"""
     captured_time_s: float | None
     """s after the first sample, when the error is first under 0.05 m"""
+    tracking_rms_m: float | None
+    """m, root mean square over time of the distance to where the trajectory is by then; None without a trajectory"""
+    tracking_max_m: float | None
+    """m, likewise"""
     final_error_m: float
     """m, from the last position to the end of the route"""
     final_speed_mps: float
@@ -79,6 +83,7 @@ def measure(plan: Plan, outcome: Outcome, record: Record, wall_time: float) -> M
         ideal_time_s=ideal,
         time_ratio=duration / ideal if outcome is Outcome.ARRIVED and ideal > 0 else None,
         **_errors(time[known], error[known]),
+        **_tracking(time[known], tracking(plan, record)[known]),
         final_error_m=float(np.linalg.norm(record.position[last] - plan.route(plan.route.length))),
         final_speed_mps=float(speed[last]),
         min_clearance_m=finite_or_none(float(record.clearance.min())),
@@ -107,6 +112,17 @@ def cross_track(plan: Plan, record: Record) -> Array:
     return error
 
 
+def tracking(plan: Plan, record: Record) -> Array:
+    """Return the distance from every position to where the trajectory is by then, (n,) m.
+
+    NaN where not finite, and without a trajectory. The trajectory begins at the first sample, and holds its end.
+    """
+    trajectory = plan.course.trajectory
+    if trajectory is None:
+        return np.full(len(record.time), np.nan)
+    return np.asarray(np.linalg.norm(record.position - trajectory(record.time - record.time[0]), axis=1))
+
+
 def mean(time: Array, values: Array) -> float:
     """Return the mean over time of samples (n,) by the trapezoid rule; of a single sample, itself."""
     if len(time) == 1:
@@ -130,6 +146,12 @@ def _errors(time: Array, error: Array) -> dict[str, Any]:
         "cross_track_max_captured_m": None if captured is None else float(captured.max()),
         "captured_time_s": None if start is None else float(time[start] - time[0]),
     }
+
+
+def _tracking(time: Array, error: Array) -> dict[str, Any]:
+    if not np.isfinite(error).all():
+        return {"tracking_rms_m": None, "tracking_max_m": None}
+    return {"tracking_rms_m": math.sqrt(mean(time, error**2)), "tracking_max_m": float(error.max())}
 
 
 def _motion(record: Record, known: NDArray[np.bool_]) -> dict[str, Any]:

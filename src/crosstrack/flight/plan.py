@@ -18,7 +18,7 @@ class Plan:
     route: Polyline
     """the path as asked for; cross-track errors are measured against it"""
     course: Course
-    """the path as flown: smooth, with its speed"""
+    """the path as flown: smooth, with its speed, and the trajectory where a planner made one"""
     vehicle: Vehicle
     tracker: Tracker[Any]
     scenario: Scenario

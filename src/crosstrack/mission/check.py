@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crosstrack.errors import InputError, Problem
+from crosstrack.follow.feed_forward import FeedForward
 from crosstrack.mission.complaints import faults_of
 from crosstrack.mission.text import Document, Place, show
 from crosstrack.mission.values import sound
 from crosstrack.types import Array
+from crosstrack.world.files import read
 
 if TYPE_CHECKING:
     from crosstrack.mission.mission import Mission
@@ -92,6 +94,25 @@ def world_is_built(mission: "Mission") -> Faults:
                 yield from ((("world", name), f"{error.source}: {problem}") for problem in error.problems)
 
 
+def planner_fits(mission: "Mission") -> Faults:
+    """Read the planner's files, and ask for a start that its trajectory can begin at."""
+    if mission.planner is None:
+        return
+    if not mission.start.on_route:
+        yield ("planner",), "plans from the start, which must be on the route: start.on_route is false"
+    for name in mission.planner.names:
+        try:
+            read(mission.files, name)
+        except InputError as error:
+            yield from ((("planner",), f"{error.source}: {problem}") for problem in error.problems)
+
+
+def tracker_has_its_trajectory(mission: "Mission") -> Faults:
+    """Ask for a planner where the tracker follows a trajectory."""
+    if mission.planner is None and isinstance(mission.tracker, FeedForward):
+        yield ("tracker",), "feed_forward follows a trajectory: add a planner, such as planner: {kind: minimum_snap}"
+
+
 def route_leads_somewhere(mission: "Mission") -> Faults:
     """Ask for two distinct points."""
     points = mission.points
@@ -154,6 +175,8 @@ CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
     (frozenset({"route"}), points_are_alike),
     (frozenset({"route", "origin"}), route_is_read),
     (frozenset({"world", "frame"}), world_is_built),
+    (frozenset({"planner", "start"}), planner_fits),
+    (frozenset({"planner", "tracker"}), tracker_has_its_trajectory),
     (frozenset({"start", "route", "origin", "frame", "world", "loop"}), route_leads_somewhere),
     (frozenset({"start", "frame", "world", "vehicle"}), start_is_sound),
     (frozenset({"start", "route", "origin", "frame", "world", "vehicle"}), route_is_clear),
@@ -161,12 +184,15 @@ CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
 
 
 def remarks(mission: "Mission") -> list[str]:
-    """Say what of the `.plan` file is not flown, which legs come too close, and what looks like a slip."""
+    """Say what of the `.plan` file is not flown, which legs come too close, and what looks like a slip.
+
+    Legs are not flown where there is a planner: its trajectory has a certificate.
+    """
     yaw = mission.start.yaw
     return [
         *(f"{mission.route}: {remark}" for remark in (mission.survey.remarks if mission.survey else ())),
         *([f"start.yaw is {yaw:g} rad, more than a full turn: was it meant in degrees?"] if abs(yaw) > TURN else []),
-        *leg_remarks(mission),
+        *(leg_remarks(mission) if mission.planner is None else ()),
     ]
 
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from crosstrack.flight.plan import Plan
-from crosstrack.follow.course import plan_course
 from crosstrack.frames import Origin
 from crosstrack.mission.check import assure
 from crosstrack.mission.convert import in_enu
 from crosstrack.mission.document import plain
+from crosstrack.mission.planning import course_for
 from crosstrack.mission.qgroundcontrol import PlanFile, read_plan
 from crosstrack.mission.schema import MissionFile
 from crosstrack.path.polyline import Polyline
@@ -72,7 +72,8 @@ class Mission(MissionFile):
     @property
     def names(self) -> list[str]:
         """The files that the mission names."""
-        return [*([self.route] if isinstance(self.route, str) else []), *self.world.files()]
+        planned = self.planner.names if self.planner is not None else ()
+        return [*([self.route] if isinstance(self.route, str) else []), *self.world.files(), *planned]
 
     @cached_property
     def waypoints(self) -> Array:
@@ -114,17 +115,16 @@ class Mission(MissionFile):
             InputError: everything that is wrong with the mission.
         """
         assure(self)
-        scenario = self.scenario()
+        scenario, tracker = self.scenario(), self.tracker
+        assert tracker is not None  # it was given its default
         route = Polyline(self.points)
-        envelope = self.vehicle.envelope(scenario)
-        joins = None if self.start.on_route else self.launch
         return Plan(
             name=self.name,
             document=self.document(),
             route=route,
-            course=plan_course(route, self.tolerance, self.speed, envelope, joins),
+            course=course_for(self, route, scenario),
             vehicle=self.vehicle,
-            tracker=self.tracker,
+            tracker=tracker,
             scenario=scenario,
             timeout=self.timing.timeout,
             avoiders=self.avoid,

@@ -10,7 +10,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.mission.document import hints, plain, role_of
 from crosstrack.mission.parts import suggest
 from crosstrack.mission.places import known_fields, schema_at
-from crosstrack.mission.schema import MissionFile
+from crosstrack.mission.schema import MissionFile, usual_tracker
 from crosstrack.mission.text import Document, parse
 
 
@@ -72,6 +72,8 @@ def _key(document: Any, place: tuple[str | int, ...], target: Any, name: str, pa
 
 def _default(document: Any, place: tuple[str | int, ...], key: str) -> Any:
     """Return what to begin with where a document leaves a mapping out: a part needs its kind."""
+    if (*place, key) == ("tracker",):
+        return {"kind": usual_tracker(document.get("planner"))}
     field = next((f for f in fields(MissionFile) if f.name == key), None) if not place else None
     if field is None or field.default_factory is MISSING:
         return {}

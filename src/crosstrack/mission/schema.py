@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Ge, Le, Len
 from pydantic import AfterValidator, ConfigDict, Discriminator, Tag
 
-from crosstrack.follow.carrot import Carrot
 from crosstrack.frames import Origin
 from crosstrack.mission.parts import CONFIG, Part
+from crosstrack.registry import find
 from crosstrack.types import Air, Finite, Limits, Noise, Positive, Vector, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
 from crosstrack.world.build import WorldSpec
@@ -24,6 +24,11 @@ Points = Annotated[tuple[Point, ...], Len(1, 100_000)]
 
 def _file_or_points(value: object) -> str:
     return "file" if isinstance(value, str) else "points"
+
+
+def usual_tracker(planner: object) -> str:
+    """Return the kind of tracker that a mission with or without a planner has by default."""
+    return "carrot" if planner is None else "feed_forward"
 
 
 def _plain_name(name: str) -> str:
@@ -95,7 +100,10 @@ class MissionFile:
     """fly back to the route's first point at the end"""
     world: World = field(default_factory=World)
     vehicle: Annotated[Any, Part("vehicle")] = field(default_factory=Quadrotor)
-    tracker: Annotated[Any, Part("tracker")] = field(default_factory=Carrot)
+    planner: Annotated[Any, Part("planner")] | None = None
+    """what turns the route into a trajectory; left out, its corners are rounded and its speed is planned"""
+    tracker: Annotated[Any, Part("tracker")] | None = None
+    """what follows: by default feed_forward where there is a planner, carrot elsewhere"""
     avoid: tuple[Annotated[Any, Part("avoider")], ...] = ()
     """what changes the tracker's commands, one after another"""
     limits: Limits = field(default_factory=Limits)
@@ -107,3 +115,7 @@ class MissionFile:
     """WGS84 place of the local (0, 0, 0); by default the home of the `.plan` file, else AirSim's"""
     seed: Annotated[int, Ge(0), Le(2**63 - 1)] = 1
     """all that is random follows from it"""
+
+    def __post_init__(self) -> None:
+        if self.tracker is None:
+            object.__setattr__(self, "tracker", find("tracker", usual_tracker(self.planner))())

@@ -15,11 +15,16 @@ FLATTEST = 0.2
 
 
 def extent(flights: Sequence[Flight], drawn: Scene) -> Array:
-    """Return the lowest and the highest corner (2, 3) m of a box around flights, route and obstacles.
+    """Return the box `around` flights, route and obstacles."""
+    return around([flight.record.position for flight in flights], drawn)
+
+
+def around(paths: Sequence[Array], drawn: Scene) -> Array:
+    """Return the lowest and the highest corner (2, 3) m of a box around paths (n, 3) m, route and obstacles.
 
     What is flatter than the box gets its room above it where there are obstacles: they stand on the box's floor.
     """
-    clouds = [drawn.route, *(flight.record.position for flight in flights), *(mesh[1] for mesh in drawn.meshes)]
+    clouds = [drawn.route, *paths, *(mesh[1] for mesh in drawn.meshes)]
     finite = [cloud[np.isfinite(cloud).all(axis=1)] for cloud in clouds]
     low = np.min([cloud.min(axis=0) for cloud in finite if len(cloud)], axis=0)
     high = np.max([cloud.max(axis=0) for cloud in finite if len(cloud)], axis=0)

@@ -11,7 +11,7 @@ from crosstrack.flight.metrics import tilt
 from crosstrack.show.style import PALETTE, ROTORS
 from crosstrack.types import Array
 
-Role = Literal["flown", "planned", "asked"]
+Role = Literal["flown", "planned", "asked", "limit"]
 HEADROOM = 0.1
 """above the largest value, of the range of all"""
 
@@ -25,6 +25,8 @@ class Series:
     """(n,) a value for every sample, NaN where there is none"""
     role: Role = "flown"
     """how the line is drawn"""
+    color: str | None = None
+    """None: the next of the palette"""
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ class Panel:
     @property
     def colors(self) -> tuple[str, ...]:
         """Return the colour of every series."""
-        return (ROTORS if len(self.series) > 3 else PALETTE)[: len(self.series)]
+        colors = ROTORS if len(self.series) > 4 else PALETTE
+        return tuple(series.color or color for series, color in zip(self.series, colors, strict=False))
 
     def headroom(self) -> list[float]:
         """Return the value above all others that an axis takes in, so that none runs along its end; or nothing."""

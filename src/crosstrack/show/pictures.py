@@ -30,7 +30,7 @@ ELEVATION, AZIMUTH = 32.0, -122.0
 """degrees, where the view in space is taken from"""
 HIDDEN = 0.25
 """opacity of a path behind obstacles"""
-STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":"}
+STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":", "limit": "-."}
 
 
 def pictures(flight: Flight, folder: str | Path) -> list[Path]:

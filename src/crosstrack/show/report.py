@@ -1,7 +1,7 @@
 """The report of some flights: one HTML file that needs nothing else."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import cycle
@@ -17,9 +17,10 @@ from plotly.offline import get_plotlyjs
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene, scene
 from crosstrack.flight.summary import summary
-from crosstrack.show.figures import View, packed, plan_view, space, times
+from crosstrack.show.figures import View, plan_view, space, times
 from crosstrack.show.panels import panels
 from crosstrack.show.style import LEAST_TOP, PALETTE, SCALE
+from crosstrack.show.traces import packed
 from crosstrack.show.words import CARDS, NOTHING, rows
 from crosstrack.types import Array
 
@@ -93,9 +94,13 @@ def environment() -> Environment:
 def page(view: View, numbers: dict[str, Any]) -> Page:
     """Return what the template shows of a flight."""
     plan = view.flight.plan
-    document = shortened(dict(plan.document))
-    mission = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=100, default_flow_style=None)
-    return Page(plan.name, view.color, numbers["outcome"], numbers["outcome_text"], mission)
+    return Page(plan.name, view.color, numbers["outcome"], numbers["outcome_text"], mission_text(plan.document))
+
+
+def mission_text(document: Mapping[str, Any]) -> str:
+    """Return a mission's document as YAML, without the far end of long lists."""
+    short = shortened(dict(document))
+    return yaml.safe_dump(short, sort_keys=False, allow_unicode=True, width=100, default_flow_style=None)
 
 
 def shortened(value: Any) -> Any:

@@ -8,6 +8,8 @@ PALETTE = ("#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#c
 """of flights, in their order"""
 FOOTPRINT = "#94a3b8"
 """obstacles from above, where even a thin wall has to stand out from the grid"""
+PLANNED = "#0f766e"
+"""a trajectory beside what was flown of it"""
 ALARM = "#dc2626"
 ROTORS = ("#1e293b", "#2563eb", "#ea580c", "#059669", "#9333ea", "#dc2626", "#0891b2", "#ca8a04", "#db2777")
 """of the mean and of the rotors"""

@@ -13,6 +13,8 @@ LABELS: dict[str, tuple[str, str, str]] = {
     "cross_track_rms_captured_m": ("Cross-track error, RMS once captured", "m", ".3f"),
     "cross_track_max_captured_m": ("Largest cross-track error once captured", "m", ".3f"),
     "captured_time_s": ("Captured (error under 0.05 m) after", "s", ".2f"),
+    "tracking_rms_m": ("Distance to the trajectory's point, RMS", "m", ".3f"),
+    "tracking_max_m": ("Largest distance to the trajectory's point", "m", ".3f"),
     "final_error_m": ("Distance to the last waypoint", "m", ".3f"),
     "final_speed_mps": ("Speed at the end", "m/s", ".3f"),
     "min_clearance_m": ("Least clearance", "m", ".3f"),
@@ -29,7 +31,15 @@ LABELS: dict[str, tuple[str, str, str]] = {
 }
 """metric to its label, unit and number format"""
 
-CARDS = ("flight_time_s", "cross_track_rms_m", "cross_track_max_m", "final_error_m", "max_speed_mps", "min_clearance_m")
+CARDS = (
+    "flight_time_s",
+    "cross_track_rms_m",
+    "cross_track_max_m",
+    "tracking_rms_m",
+    "final_error_m",
+    "max_speed_mps",
+    "min_clearance_m",
+)
 """the metrics that head a report"""
 
 NOTHING = "\N{EN DASH}"

@@ -1,0 +1,53 @@
+"""From the route of a mission to the course that is flown."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from crosstrack.errors import InputError, Problem
+from crosstrack.follow.course import RESERVE, plan_course
+from crosstrack.path.pace import course_of
+from crosstrack.path.polyline import Polyline
+from crosstrack.protocols import Course, Planner, PlanningTask, Scenario
+from crosstrack.world.files import read
+
+if TYPE_CHECKING:
+    from crosstrack.mission.mission import Mission
+
+
+def course_for(mission: "Mission", route: Polyline, scenario: Scenario) -> Course:
+    """Return the course of a mission: its planner's trajectory, or without one its route, rounded and paced.
+
+    Raises:
+        InputError: the planner cannot plan this.
+        Infeasible: no trajectory keeps within what is asked for.
+    """
+    envelope = mission.vehicle.envelope(scenario)
+    if mission.planner is None:
+        joins = None if mission.start.on_route else mission.launch
+        return plan_course(route, mission.tolerance, mission.speed, envelope, joins)
+    if not envelope.stops:
+        message = "plans from rest to rest, and this kind of vehicle cannot stop"
+        raise InputError(mission.name, [Problem("planner", message)])
+
+    return course_of(mission.planner.plan(task_for(mission, route, scenario)), envelope)
+
+
+def task_for(mission: "Mission", route: Polyline, scenario: Scenario) -> PlanningTask:
+    """Return what a mission asks of its planner; a share of the acceleration is left to the tracker."""
+    planner: Planner | None = mission.planner
+    assert planner is not None  # who asks has one
+    envelope = mission.vehicle.envelope(scenario)
+    reserved = replace(
+        envelope,
+        acceleration=RESERVE * envelope.acceleration,
+        acceleration_vertical=RESERVE * envelope.acceleration_vertical,
+    )
+    return PlanningTask(
+        waypoints=route.points,
+        speed=min(mission.speed, envelope.speed),
+        tolerance=mission.tolerance,
+        envelope=reserved,
+        world=scenario.world,
+        radius=mission.vehicle.radius,
+        files={name: read(mission.files, name) for name in planner.names},
+    )
