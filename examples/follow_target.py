@@ -42,6 +42,8 @@ REPLAN = 0.2
 """s, between two plans"""
 SIGHTING_NOISE = 0.03
 """m, standard deviation on each axis"""
+BAND = (1.4, 3.5)
+"""m, in which the distance to the target is kept from 5 s on"""
 PURSUIT = Pursuit(distance=2.5, clearance=0.35, limits=MotionLimits(speed=4.0, acceleration=5.0))
 
 
@@ -171,7 +173,10 @@ def picture(world: World, flown: Flown, path: Path) -> None:
     axes.set(xlabel="x (m)", ylabel="y (m)")
     axes.set_aspect("equal")
     axes.legend(loc="upper left", frameon=False)
-    over_time(figure.add_subplot(grid[0, 1]), flown.times, flown.distance, "distance to the target (m)")
+    distance: Any = figure.add_subplot(grid[0, 1])
+    distance.axhspan(*BAND, color=GRID, label="band")
+    distance.legend(loc="lower right", frameon=False)
+    over_time(distance, flown.times, flown.distance, "distance to the target (m)")
     over_time(figure.add_subplot(grid[1, 1]), flown.times, flown.clearance, "clearance (m)")
     write(figure, path)
 

@@ -25,9 +25,9 @@ def example() -> ModuleType:
 def test_it_stays_clear_and_in_its_band(example: ModuleType, tmp_path: Path) -> None:
     world, flown = example.follow(duration=14)
     numbers = flown.numbers()
-    assert numbers["least clearance (m)"] >= 0.3
-    assert numbers["distance to the target, least (m)"] >= 1.2
-    assert numbers["distance to the target, largest (m)"] <= 3.0
+    assert numbers["least clearance (m)"] >= example.PURSUIT.clearance
+    assert numbers["distance to the target, least (m)"] >= example.BAND[0]
+    assert numbers["distance to the target, largest (m)"] <= example.BAND[1]
     example.picture(world, flown, tmp_path / "followed.png")
     with Image.open(tmp_path / "followed.png") as image:
         assert min(image.size) > 600

@@ -41,3 +41,11 @@ def test_weights_are_taken_in_order_and_need_not_be_none() -> None:
         study(WAYPOINTS, TIMES, weights=[])
     with pytest.raises(InputError, match="must be a weight of 0 or more"):
         study(WAYPOINTS, TIMES, weights=[-1])
+
+
+def test_a_corridor_is_kept_to_and_saves_effort() -> None:
+    free = study(WAYPOINTS, TIMES, weights=[0, 1e3], corridor=0.3)
+    met = study(WAYPOINTS, TIMES, weights=[0, 1e3])
+    for loose, tight in zip(free.rows, met.rows, strict=True):
+        assert np.abs(loose.curve(TIMES) - WAYPOINTS).max() <= 0.3 + 1e-9
+        assert loose.cost + loose.weight * loose.guide_error < tight.cost + tight.weight * tight.guide_error

@@ -203,15 +203,19 @@ def active_in(found: Found, f: int) -> int:
 
 
 def jump(curve: PiecewisePolynomial, s: int) -> float:
-    """Return the largest jump of a derivative below s at a knot, relative to the largest value of that derivative."""
-    worst = 0.0
+    """Return the largest jump of a derivative below s at a knot, relative to the largest value of that derivative.
+
+    A derivative that is nowhere larger than rounding of the one below it counts as zero.
+    """
+    powers, worst, least = np.arange(curve.degree + 1), 0.0, 0.0
+    spans = curve.durations[:, None, None] ** powers[:, None]
     for order in range(s):
-        piece = curve.derivative(order)
-        powers = piece.durations[:, None, None] ** np.arange(piece.degree + 1)[:, None]
-        ends = (piece.coefficients * powers).sum(axis=1)
-        size = np.abs(piece.coefficients[:, 0]).max()
-        gap = np.abs(ends[:-1] - piece.coefficients[1:, 0]).max(initial=0.0)
-        worst = max(worst, float(gap / size) if size else 0.0)
+        falling = curve.derivative(order).coefficients
+        ends = (falling * spans[:, : falling.shape[1]]).sum(axis=1)
+        size = max(float(np.abs(falling[:, 0]).max()), least)
+        gap = float(np.abs(ends[:-1] - falling[1:, 0]).max(initial=0.0))
+        worst = max(worst, gap / size if size > 0.0 else 0.0)
+        least = 1e-6 * size / float(curve.durations.min())
     return worst
 
 

@@ -28,7 +28,7 @@ THINNEST = 1e-8
 ROUNDING = 1e-9
 """relative, excess that is none where there is no room for a margin"""
 ROUNDS = 30
-LEARNING = 8
+LEARNING = 12
 """rounds after which what is still violated is tightened by it"""
 ACCURACY, FINITE_ACCURACY = 1e-8, 1e-10
 """of the programs"""
@@ -40,7 +40,7 @@ NOTHING = 1e-12
 """of the cost of stopping at every waypoint, a cost that is none"""
 FAR = 0.3
 """relative, how far inside an instant is dropped after the first program"""
-STILL = 1e-9
+STILL = 1e-12
 """of the largest, how much of a shape must be free to move for its constraint to be held"""
 
 
@@ -54,6 +54,8 @@ class Instants:
     """(n,) unit time"""
     margin: Array
     """(N,) of each piece, relative"""
+    touching: Array
+    """(N,) bool, pieces where what is given leaves no room for a margin"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +113,13 @@ class Exchange:
             tau = np.zeros(1) if finite else tau if family.order == 0 else tau[:-1]
             piece = np.tile(np.arange(count), len(tau))
             margin = np.full(count, FINITE_MARGIN if finite else MARGIN)
-            at = Instants(piece, np.repeat(tau, count), margin)
+            room = np.full(count, np.inf) if finite else self._room(family)
+            at = Instants(piece, np.repeat(tau, count), np.minimum(margin, 0.5 * room), room < THINNEST)
             self.instants.append(at)
-            if not finite:
-                at.margin = np.minimum(at.margin, 0.5 * self._room(family))
         self.accuracy = FINITE_ACCURACY if all(family.finite for family in self.families) else ACCURACY
         self.start = closed_form(replace(self.spans.asked, origin=np.zeros(self.spans.asked.knots.shape[2])))
         self.reference = self.spans.unknowns(self.start)
-        self.slope = self.spans.slope(self.reference)
-        self.slope[self.spans.fixed] = 0.0
+        self._move(0.0)
         free = ~self.spans.fixed[:, :, 0]
         self.movable = np.concatenate([free[:-1], free[1:]], axis=1)
 
@@ -147,10 +147,13 @@ class Exchange:
         for rounds in range(1, ROUNDS + 1):
             found = self._round(unit, rounds, steps)
             steps = found.steps
+            if found.point is None or not np.isfinite(found.point.x).all():
+                break
             if found.curve is None:
                 if self._loosened(found):
                     continue
-                return best or found
+                break
+            self._move(found.point.x)
             if all(self.certified(found)):
                 best = found if best is None or found.cost < best.cost else best
                 if found.gap <= tightness:
@@ -174,9 +177,15 @@ class Exchange:
             return Found(None, np.inf, np.inf, [], held, point, measures, rounds, steps + taken)
         curve = self.spans.curve(self.reference + point.x)
         cost = self.cost(curve)
-        gap = 2.0 * unit * float(point.z @ (point.s + held.slack)) / max(cost, NOTHING * unit)
+        gap = 2.0 * unit * float(point.z @ (point.s + held.slack)) / max(cost, NOTHING * self._hasty())
         excess = [family.excess(curve) for family in self.families]
         return Found(curve, cost, gap, excess, held, point, measures, rounds, steps + taken)
+
+    def _move(self, by: Array | float) -> None:
+        """Make another curve the reference, that unknowns are relative to."""
+        self.reference = self.reference + by
+        self.slope = self.spans.slope(self.reference)
+        self.slope[self.spans.fixed] = 0.0
 
     def _hasty(self) -> float:
         """Return the size of the cost of speeding up and slowing down on every segment."""
@@ -186,7 +195,7 @@ class Exchange:
     def certified(self, found: Found) -> list[bool]:
         """Return of each family whether it is kept to at every instant."""
         return [
-            bool((excess.bound <= np.where(at.margin[excess.piece] > THINNEST, 0.0, ROUNDING)).all())
+            bool((excess.bound <= np.where(at.touching[excess.piece], ROUNDING, 0.0)).all())
             for excess, at in zip(found.excess, self.instants, strict=True)
         ]
 
@@ -196,6 +205,7 @@ class Exchange:
         if held is None or point is None or -float(point.z @ held.rows.bounds) > float(point.z @ held.slack):
             return False
         for at in self.instants:
+            at.touching = at.touching | (at.margin <= THINNEST)
             at.margin = np.where(at.margin > THINNEST, 0.1 * at.margin, 0.0)
         return True
 
@@ -219,7 +229,9 @@ class Exchange:
             at.piece = np.concatenate([at.piece, found.piece[outside]])
             at.tau = np.concatenate([at.tau, found.tau[outside]])
             if rounds >= LEARNING:
-                np.maximum.at(at.margin, found.piece[outside], 2.0 * found.bound[outside] + at.margin[found.piece[outside]])
+                late = outside & (found.bound > 0.0) & ~at.touching[found.piece]
+                piece = found.piece[late]
+                np.maximum.at(at.margin, piece, 1.5 * found.bound[late] + at.margin[piece])
 
     def held(self) -> Held:
         """Return the constraints at all instants as rows of one program."""
@@ -246,5 +258,9 @@ class Exchange:
         bounds = sets.bounds[source] - np.einsum("nd,nd->n", sets.normals[source], value[owner])
         sides = np.concatenate([sets.normals[source], sets.slides[source, None]], axis=1)
         slack = sets.firm[source] * at.margin[piece[owner]]
+        if not sets.round:  # what hardly moves near what is given is scaled up
+            reach = np.abs(sides).max(axis=1) * (weight * self.movable[at.piece])[used].max(axis=1)[owner]
+            scale = np.minimum(np.maximum(reach, np.abs(bounds) + slack), 1.0)
+            sides, bounds, slack = sides / scale[:, None], bounds / scale, slack / scale
         numbers = np.stack([np.full(len(owner), f), source, piece[owner]], axis=1)
         return shapes, piece, counts, np.full(len(piece), sets.round), tau[owner], sides, bounds, slack, numbers

@@ -14,7 +14,7 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.trajectory import chain, cones, newton
 from crosstrack.trajectory.cones import Rows, Scaling
-from crosstrack.trajectory.newton import System
+from crosstrack.trajectory.newton import Point, System
 from crosstrack.types import Array
 
 MOST_STEPS = 100
@@ -22,6 +22,12 @@ TO_THE_WALL = 0.99
 """of the longest step that stays in the cones"""
 SHORTEST = 1e-6
 """step that is no progress"""
+LOOSE = 100.0
+"""times the accuracy, what the gradient may be off by: rounding grows with the multipliers over the slacks"""
+DONE = 1e-4
+"""times the accuracy, gap below which no step gains anything"""
+BLURRED = 0.01
+"""times the accuracy, error of the gradient from which on systems are solved twice"""
 RAY = 1e-8
 """‖Nᵀ z‖ relative to -bᵀ z at which z proves that there is no solution"""
 SOLVED, INFEASIBLE, STALLED = 0, 1, 2
@@ -37,19 +43,6 @@ class Program(NamedTuple):
     fixed: Array
     """(N + 1, s d) bool, unknowns that stay zero"""
     rows: Rows
-
-
-class Point(NamedTuple):
-    """What the method moves, or a direction to move it in; all but a solution is scaled by τ."""
-
-    x: Array
-    """(N + 1, s, d)"""
-    theta: Array
-    """(constraints,)"""
-    s: Array
-    """(rows,) slacks"""
-    z: Array
-    """(rows,) multipliers"""
 
 
 class Measures(NamedTuple):
@@ -87,6 +80,7 @@ def run(program: Program, accuracy: float, at: Point, levels: Array) -> tuple[in
     lower = chain.Blocks(np.empty((count, size, size)), np.empty((count - 1, size, size)))
     system = System(scaling, lower, np.empty((rows.piece.size, rows.normals.shape[1])))
     off, curved, side, step = room(program), room(program).x, room(program), room(program)
+    right, spare = room(program), room(program)
     degree = 1
     for p in range(rows.piece.size):
         degree += rows.first[p + 1] - rows.first[p] - max(rows.round[p] - 1, 0)
@@ -94,11 +88,12 @@ def run(program: Program, accuracy: float, at: Point, levels: Array) -> tuple[in
     steps, measures = 0, (np.inf, np.inf, np.inf)
     while True:
         status, measures, off_tau = judge(program, accuracy, at, levels, curved, off)
-        if status != STALLED or steps == MOST_STEPS:
+        if status != STALLED or steps == MOST_STEPS or measures[2] <= DONE * accuracy or not levels[0] > 0.0:
             break
         cones.scale(rows, at.s, at.z, system.scaling)
         newton.factor(rows, program.forms, program.fixed, system)
-        length = move(program, system, degree, at, levels, curved, off, off_tau, side, step)
+        twice = measures[1] > BLURRED * accuracy
+        length = move(program, system, degree, at, levels, curved, off, off_tau, side, step, right, spare, twice)
         if not length > SHORTEST:
             break
         steps += 1
@@ -194,7 +189,7 @@ def judge(
     gap = abs(square / tau + linear + bound) / tau / max(1.0, cost)
     measures = (missed / tau / bound_scale, largest / tau / cost_scale, gap)
     status = STALLED
-    if max(measures) <= accuracy:
+    if max(measures[0], measures[1] / LOOSE, measures[2]) <= accuracy:
         status = SOLVED
     elif bound < 0.0 and pulled <= -RAY * bound:
         status = INFEASIBLE
@@ -213,6 +208,9 @@ def move(
     off_tau: float,
     side: Point,
     step: Point,
+    right: Point,
+    spare: Point,
+    twice: bool,
 ) -> float:
     """Move along Mehrotra's direction; return how far.
 
@@ -229,7 +227,7 @@ def move(
             loss = at.s if phase == 1 else step.s
             for r in range(loss.size):
                 step.z[r] += loss[r]
-        newton.solve(rows, system, program.fixed, step.x, step.theta, step.z)
+        solve(program, system, twice, step, right, spare)
         lean, bend = along(program, at, curved, tau, step)
         if phase == 0:
             bottom = kappa / tau + bend - lean
@@ -254,6 +252,19 @@ def move(
     for r in range(at.s.size):
         at.s[r] += length * step.s[r]
     return length
+
+
+@compiled
+def solve(program: Program, system: System, twice: bool, step: Point, right: Point, spare: Point) -> None:
+    """Replace the right side `step` by the solution, refined once if it is solved twice."""
+    put(right, 1.0, step)
+    put(spare, 1.0, step)
+    put(step, 0.0, step)
+    for attempt in range(2 if twice else 1):
+        if attempt > 0:
+            newton.miss(program.rows, program.forms, program.fixed, system, right, step, spare)
+        newton.solve(program.rows, system, program.fixed, spare.x, spare.theta, spare.z)
+        add(step, 1.0, spare)
 
 
 @compiled

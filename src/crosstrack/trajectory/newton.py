@@ -13,8 +13,21 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.trajectory import chain
 from crosstrack.trajectory.chain import Blocks
-from crosstrack.trajectory.cones import Rows, Scaling, unscaled, weigh
+from crosstrack.trajectory.cones import Rows, Scaling, products, pulls, turn, unscaled, weigh
 from crosstrack.types import Array
+
+
+class Point(NamedTuple):
+    """What the method moves, a direction to move it in, or a right side for it."""
+
+    x: Array
+    """(N + 1, s, d)"""
+    theta: Array
+    """(constraints,)"""
+    s: Array
+    """(rows,) slacks"""
+    z: Array
+    """(rows,) multipliers"""
 
 
 class System(NamedTuple):
@@ -95,3 +108,20 @@ def recover(rows: Rows, system: System, x: Array, theta: Array, z: Array, image:
             for d in range(dimensions):
                 image[r] += rows.normals[r, d] * v[d]
         unscaled(rows, system.scaling, p, image, z)
+
+
+@compiled
+def miss(rows: Rows, forms: Array, fixed: Array, system: System, right: Point, found: Point, out: Point) -> None:
+    """Fill x, θ and z of `out` with what a solution leaves of the right side; its slacks are to work in."""
+    flat_fixed = fixed.reshape(out.x.shape)
+    chain.gradient(forms, found.x, out.x)
+    pulls(rows, found.z, out.x, out.theta)
+    products(rows, found.x, found.theta, out.z)
+    for p in range(rows.piece.size):
+        out.theta[p] = right.theta[p] - out.theta[p]
+        turn(rows, system.scaling, p, 1.0, found.z, out.s)
+        turn(rows, system.scaling, p, 1.0, out.s, out.s)
+    for r in range(out.z.size):
+        out.z[r] = right.z[r] - out.z[r] + out.s[r]
+    for i in np.ndindex(out.x.shape):
+        out.x[i] = 0.0 if flat_fixed[i] else right.x[i] - out.x[i]

@@ -49,7 +49,7 @@ class Pursuit:
     height: Finite = 0.0
     """m, above it"""
     clearance: NonNegative = 0.4
-    """m, from the trajectory to obstacles: the vehicle's radius and how far it may be off"""
+    """m, to obstacles, as exact as `Map.swept`: the radius of the vehicle and how far it may be off"""
     horizon: Positive = 2.0
     """s, that a plan looks ahead, before it comes to rest"""
     segments: int = 5
