@@ -117,7 +117,8 @@ def test_the_planners_are_listed_with_their_fields(capsys: pytest.CaptureFixture
         "minimum_snap: ",
         "times = trapezoid [constant|",
         "yaw = fixed [fixed|velocity]",
-        "corridor",
+        "corridor [> 0]  m, the whole trajectory stays within this",
+        "guide [auto or ≥ 0]  weight",
         "file: ",
         "feed_forward: ",
     ]:

@@ -4,7 +4,7 @@ import inspect
 from typing import Any
 
 from crosstrack import registry
-from crosstrack.mission.parts import adapter
+from crosstrack.mission.parts import adapter, documented
 
 BOUNDS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 
@@ -26,16 +26,20 @@ def field_lines(part: Any) -> list[str]:
     """Return a line for each field of a part: name, default, allowed values and meaning."""
     schema = adapter(part).json_schema()
     described = schema["$defs"][part.__name__] if "$defs" in schema else schema
-    lines = []
+    texts, lines = documented(part), []
     for name, field in described.get("properties", {}).items():
         default = f" = {field['default']}" if field.get("default") is not None else ""
         allowed = f" [{allowed_values(field)}]" if allowed_values(field) else ""
-        lines.append(f"{name}{default}{allowed}  {field.get('description', '')}".rstrip())
+        lines.append(f"{name}{default}{allowed}  {field.get('description', texts.get(name, ''))}".rstrip())
     return lines
 
 
 def allowed_values(field: dict[str, Any]) -> str:
     """Return the words or the bounds of a field's JSON Schema."""
+    if "anyOf" in field:
+        return " or ".join(filter(None, map(allowed_values, field["anyOf"])))
+    if "const" in field:
+        return str(field["const"])
     if "enum" in field:
         return "|".join(map(str, field["enum"]))
     return ", ".join(f"{sign} {field[bound]:g}" for bound, sign in BOUNDS.items() if bound in field)

@@ -1,10 +1,14 @@
 """Fields of a mission that name a registered part: `{kind: NAME, ...its fields}`."""
 
+import ast
 import difflib
+import inspect
 import json
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Any, Union
 
 from pydantic import ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, ValidationError
@@ -22,6 +26,18 @@ def adapter(part: Any) -> TypeAdapter[Any]:
     """Return the validator of a plain dataclass; unknown fields and text for numbers are errors."""
     # pydantic takes no configuration for a bare dataclass, but passes that of an optional one on
     return TypeAdapter(Union[part, None], config=CONFIG)  # noqa: UP007 - a value, not a type
+
+
+@cache
+def documented(part: type[Any]) -> dict[str, str]:
+    """Return the docstrings under the fields of a class, inherited ones too, which pydantic leaves out."""
+    found: dict[str, str] = {}
+    for cls in reversed(part.__mro__[:-1]):
+        body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0]
+        for field, text in pairwise(getattr(body, "body", [])):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
+                found[field.target.id] = str(ast.literal_eval(text.value))
+    return found
 
 
 def kind_of(role: str, part: object) -> str:
@@ -64,7 +80,12 @@ class Part:
         while inner["type"] != "dataclass":
             inner = inner["schema"]
         described = handler.resolve_ref_schema(handler(inner))
-        properties = {"kind": {"const": name}, **described.get("properties", {})}
+        texts = documented(part)
+        fields = {
+            field: value if "description" in value or field not in texts else value | {"description": texts[field]}
+            for field, value in described.get("properties", {}).items()
+        }
+        properties = {"kind": {"const": name}, **fields}
         return {
             **described,
             "title": name,

@@ -72,7 +72,7 @@ def reasons(spans: Spans, families: list[Family], found: Found) -> list[Problem]
             needed = short / float((share / family.sets.sizes[source]).sum())
             told.append((float(share.sum()), _proven(spans, family, held, int(mine[np.argmax(share)]), needed)))
     return [problem for _, problem in sorted(told, key=lambda pair: -pair[0])] or [
-        Problem("", "the constraints leave no room: two of them touch, and no curve was found between them")
+        Problem("", "no curve was found; the sets leave less room than the digits of the computation can tell")
     ]
 
 

@@ -40,7 +40,7 @@ NOTHING = 1e-12
 """of the cost of stopping at every waypoint, a cost that is none"""
 FAR = 0.3
 """relative, how far inside an instant is dropped after the first program"""
-STILL = 1e-12
+STILL = 1e-14
 """of the largest, how much of a shape must be free to move for its constraint to be held"""
 
 

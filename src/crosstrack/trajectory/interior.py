@@ -84,10 +84,16 @@ def run(program: Program, accuracy: float, at: Point, levels: Array) -> tuple[in
     degree = 1
     for p in range(rows.piece.size):
         degree += rows.first[p + 1] - rows.first[p] - max(rows.round[p] - 1, 0)
+    before, levels_before = room(program), np.ones(2)
     begin(program, system, at)
     steps, measures = 0, (np.inf, np.inf, np.inf)
     while True:
-        status, measures, off_tau = judge(program, accuracy, at, levels, curved, off)
+        status, now, off_tau = judge(program, accuracy, at, levels, curved, off)
+        if not (now[0] < np.inf and now[1] < np.inf and now[2] < np.inf):
+            keep(before, levels_before, at, levels)
+            break
+        measures = now
+        keep(at, levels, before, levels_before)
         if status != STALLED or steps == MOST_STEPS or measures[2] <= DONE * accuracy or not levels[0] > 0.0:
             break
         cones.scale(rows, at.s, at.z, system.scaling)
@@ -155,6 +161,15 @@ def put(out: Point, factor: float, by: Point) -> None:
         out.theta[p] = factor * by.theta[p]
     for r in range(out.z.size):
         out.z[r] = factor * by.z[r]
+
+
+@compiled
+def keep(at: Point, levels: Array, out: Point, out_levels: Array) -> None:
+    """Copy a point and its levels."""
+    put(out, 1.0, at)
+    for r in range(at.s.size):
+        out.s[r] = at.s[r]
+    out_levels[0], out_levels[1] = levels[0], levels[1]
 
 
 @compiled
