@@ -140,7 +140,7 @@ def test_what_is_not_there_is_null(fly_along: Fly) -> None:
     absent = {name for name, value in found.items() if value is None}
     assert absent == {
         "min_clearance_m", "control_effort_radps", "max_airspeed_mps", "time_ratio", "captured_time_s",
-        "cross_track_rms_captured_m", "cross_track_max_captured_m",
+        "cross_track_rms_captured_m", "cross_track_max_captured_m", "tracking_rms_m", "tracking_max_m",
     }  # fmt: skip
 
 

@@ -13,6 +13,9 @@ import numpy as np
 import pytest
 
 from crosstrack.flight.flight import Flight
+from crosstrack.mission import loads
+from crosstrack.mission.certified import certified
+from crosstrack.show.plan_page import plan_page
 from crosstrack.show.report import report
 
 BROWSER = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
@@ -202,6 +205,27 @@ def test_several_flights_work_in_a_browser(fly_square: Callable[..., Flight], br
     seen, record = browser.run(SLIDE), flights[1].record
     row = np.searchsorted(record.time, seen["cursor"], side="right") - 1
     np.testing.assert_allclose(seen["mark"], record.position[row, :2], atol=1e-4)
+    assert browser.run(COLOURS) > 200
+    assert browser.run(CUT_OFF) == [[], False]
+    check_quiet(browser, path)
+
+
+PLAN_READY = """
+for (let tries = 0; tries < 1200 && !document.body?.dataset.ready; tries += 1) await pause(50);
+return ["space", "plan", "times"].map((name) => byId(name).data.map((trace) => trace.name));
+"""
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium")
+def test_the_page_of_a_plan_works_in_a_browser(browser: Browser, tmp_path: Path) -> None:
+    text = "start: {position: [0, 0, 5]}\nroute: [[6, 0, 5], [6, 5, 6]]\nplanner: {kind: minimum_snap, guide: auto}\n"
+    mission = loads(text + "world: {shapes: [{box: {min: [1, 2, 0], max: [3, 4, 9]}}]}")
+    path = plan_page(certified(mission, mission.build()), tmp_path / "plan.html")
+    browser.call("Page.navigate", url=path.as_uri())
+    space, above, times = browser.run(PLAN_READY)
+    assert {"route", "trajectory", "corridor", "obstacles", "start", "goal"} <= set(space) & set(above)
+    assert {"all", "vertical", "limit", "vertical limit", "allowed"} <= set(times)
     assert browser.run(COLOURS) > 200
     assert browser.run(CUT_OFF) == [[], False]
     check_quiet(browser, path)

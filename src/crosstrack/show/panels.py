@@ -71,8 +71,10 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
     """Return the panels of a flight, given its cross-track error (n,) m."""
     return [
         Panel("Cross-track error", "m", (Series("cross-track error", error),)),
+        *tracked(flight),
         speed(flight),
         height(flight),
+        *accelerated(flight),
         *tilted(flight),
         *rotors(flight),
         *clearance(flight),
@@ -80,10 +82,22 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
     ]
 
 
+def tracked(flight: Flight) -> Iterator[Panel]:
+    """Yield the distance to where the trajectory is by then, where there is one."""
+    if flight.plan.course.trajectory is not None:
+        yield Panel("Distance to the trajectory's point", "m", (Series("tracking error", flight.tracking),))
+
+
+def by_then(flight: Flight, order: int) -> Array | None:
+    """Return a derivative of the trajectory at every sample, (n, 3); None without one."""
+    trajectory, time = flight.plan.course.trajectory, flight.record.time
+    return None if trajectory is None else trajectory(time - time[0], order)
+
+
 def speed(flight: Flight) -> Panel:
-    """Return the speed flown, of the profile at the progress, and asked for."""
-    record = flight.record
-    planned = np.asarray(flight.plan.course.speed(record.progress))
+    """Return the speed flown, planned, and asked for; without a trajectory planned is the profile at the progress."""
+    record, velocity = flight.record, by_then(flight, 1)
+    planned = flight.plan.course.speed(record.progress) if velocity is None else np.linalg.norm(velocity, axis=1)
     asked = np.linalg.norm(record.command_velocity, axis=1)
     series = [
         Series("flown", np.linalg.norm(record.velocity, axis=1)),
@@ -95,11 +109,21 @@ def speed(flight: Flight) -> Panel:
 
 
 def height(flight: Flight) -> Panel:
-    """Return the height flown and of the course at the progress."""
-    record = flight.record
-    planned = flight.plan.course.path(record.progress)[:, 2]
+    """Return the height flown, and of the trajectory or else of the course at the progress."""
+    record, position = flight.record, by_then(flight, 0)
+    planned = (flight.plan.course.path(record.progress) if position is None else position)[:, 2]
     series = (Series("flown", record.position[:, 2]), Series("course", planned, "planned"))
     return Panel("Height", "m", series, from_zero=False, span=1.0)
+
+
+def accelerated(flight: Flight) -> Iterator[Panel]:
+    """Yield the acceleration flown, between samples, and planned, where there is a trajectory."""
+    record, acceleration = flight.record, by_then(flight, 2)
+    if acceleration is None or len(record.time) < 2:
+        return
+    flown = np.linalg.norm(np.gradient(record.velocity, record.time, axis=0), axis=1)
+    series = (Series("flown", flown), Series("planned", np.linalg.norm(acceleration, axis=1), "planned"))
+    yield Panel("Acceleration", "m/s²", series)
 
 
 def tilted(flight: Flight) -> Iterator[Panel]:

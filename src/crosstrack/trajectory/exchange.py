@@ -32,6 +32,8 @@ LEARNING = 12
 """rounds after which what is still violated is tightened by it"""
 ACCURACY, FINITE_ACCURACY = 1e-8, 1e-10
 """of the programs"""
+POOR, FAILURES = 1e-5, 3
+"""residual of the constraints with which a program counts as failed, and how often it may"""
 SMALL = 0.03
 """of the unit, a cost that the unit is brought down to"""
 MANY = 200
@@ -143,17 +145,15 @@ class Exchange:
         unit = max(unit, NOTHING * self._hasty())
         forms, slope = self.spans.forms / unit, self.slope / unit
         fixed = self.spans.fixed.reshape(len(slope), -1)
-        steps, best = 0, None
+        steps, best, failures = 0, None, 0
         for rounds in range(1, ROUNDS + 1):
             found = self._round(unit, rounds, steps)
             steps = found.steps
-            if found.point is None or not np.isfinite(found.point.x).all():
+            failures += found.curve is not None and found.measures.primal > POOR
+            if failures == FAILURES or (found.curve is None and not self._loosened(found)):
                 break
-            if found.curve is None:
-                if self._loosened(found):
-                    continue
-                break
-            self._move(found.point.x)
+            if found.curve is None or found.measures.primal > POOR:
+                continue
             if all(self.certified(found)):
                 best = found if best is None or found.cost < best.cost else best
                 if found.gap <= tightness:
@@ -162,9 +162,7 @@ class Exchange:
                     for at in self.instants:
                         at.margin = 0.1 * at.margin
             unit = max(min(unit, found.cost), NOTHING * self._hasty())
-            if rounds == 1:
-                self._drop(found)
-            self._learn(found.excess, rounds)
+            self._learn(found, rounds)
         return best or found
 
     def _round(self, unit: float, rounds: int, steps: int) -> Found:
@@ -173,7 +171,7 @@ class Exchange:
         held = self.held()
         program = Program(forms, slope, self.spans.fixed.reshape(len(slope), -1), held.rows)
         status, taken, point, measures = solved(program, self.accuracy)
-        if status == INFEASIBLE or not np.isfinite(point.x).all():
+        if status == INFEASIBLE:
             return Found(None, np.inf, np.inf, [], held, point, measures, rounds, steps + taken)
         curve = self.spans.curve(self.reference + point.x)
         cost = self.cost(curve)
@@ -220,9 +218,13 @@ class Exchange:
                 kept = first[(held.family[first] == f) & (depth < FAR)]
                 at.piece, at.tau = held.piece[kept], held.tau[kept]
 
-    def _learn(self, excess: list[Excess], rounds: int) -> None:
+    def _learn(self, last: Found, rounds: int) -> None:
         """Add the instants where a curve is outside the tightened sets, and later tighten them instead."""
-        for found, at, family in zip(excess, self.instants, self.families, strict=True):
+        if last.point is not None:
+            self._move(last.point.x)
+        if rounds == 1:
+            self._drop(last)
+        for found, at, family in zip(last.excess, self.instants, self.families, strict=True):
             if family.finite:
                 continue
             outside = found.bound > -0.5 * at.margin[found.piece]

@@ -28,8 +28,8 @@ DONE = 1e-4
 """times the accuracy, gap below which no step gains anything"""
 BLURRED = 0.01
 """times the accuracy, error of the gradient from which on systems are solved twice"""
-RAY = 1e-8
-"""‖Nᵀ z‖ relative to -bᵀ z at which z proves that there is no solution"""
+RAY, DIM_RAY = 1e-8, 1e-5
+"""‖Nᵀ z‖ relative to -bᵀ z at which z proves that there is no solution, at once and where no step gains anything"""
 SOLVED, INFEASIBLE, STALLED = 0, 1, 2
 
 
@@ -85,15 +85,15 @@ def run(program: Program, accuracy: float, at: Point, levels: Array) -> tuple[in
     for p in range(rows.piece.size):
         degree += rows.first[p + 1] - rows.first[p] - max(rows.round[p] - 1, 0)
     before, levels_before = room(program), np.ones(2)
-    begin(program, system, at)
-    steps, measures = 0, (np.inf, np.inf, np.inf)
+    begin(program, at)
+    steps, measures, ray = 0, (np.inf, np.inf, np.inf), np.inf
     while True:
-        status, now, off_tau = judge(program, accuracy, at, levels, curved, off)
+        status, now, off_tau, off_ray = judge(program, accuracy, at, levels, curved, off)
         if not (now[0] < np.inf and now[1] < np.inf and now[2] < np.inf):
-            keep(before, levels_before, at, levels)
+            copy(before, levels_before, at, levels)
             break
-        measures = now
-        keep(at, levels, before, levels_before)
+        measures, ray = now, off_ray
+        copy(at, levels, before, levels_before)
         if status != STALLED or steps == MOST_STEPS or measures[2] <= DONE * accuracy or not levels[0] > 0.0:
             break
         cones.scale(rows, at.s, at.z, system.scaling)
@@ -103,23 +103,18 @@ def run(program: Program, accuracy: float, at: Point, levels: Array) -> tuple[in
         if not length > SHORTEST:
             break
         steps += 1
+    if status == STALLED and ray <= DIM_RAY and levels[0] < levels[1]:
+        status = INFEASIBLE
     return status, steps, measures
 
 
 @compiled
-def begin(program: Program, system: System, at: Point) -> None:
-    """Fill in the point of least squares, with slacks and multipliers moved into the cones."""
-    rows = program.rows
-    for p in range(rows.piece.size):
-        for r in range(rows.first[p] + 1, rows.first[p] + rows.round[p]):
-            system.scaling.direction[r] = 0.0
-    newton.factor(rows, program.forms, program.fixed, system)
-    target(program, at)
-    newton.solve(rows, system, program.fixed, at.x, at.theta, at.z)
+def begin(program: Program, at: Point) -> None:
+    """Fill in the reference itself, with slacks moved into the cones, and multipliers of one."""
     for r in range(at.s.size):
-        at.s[r] = -at.z[r]
-    enter(rows, at.s)
-    enter(rows, at.z)
+        at.s[r] = program.rows.bounds[r]
+    enter(program.rows, at.s)
+    cones.shift(program.rows, 1.0, at.z)
 
 
 @compiled
@@ -164,7 +159,7 @@ def put(out: Point, factor: float, by: Point) -> None:
 
 
 @compiled
-def keep(at: Point, levels: Array, out: Point, out_levels: Array) -> None:
+def copy(at: Point, levels: Array, out: Point, out_levels: Array) -> None:
     """Copy a point and its levels."""
     put(out, 1.0, at)
     for r in range(at.s.size):
@@ -175,8 +170,12 @@ def keep(at: Point, levels: Array, out: Point, out_levels: Array) -> None:
 @compiled
 def judge(
     program: Program, accuracy: float, at: Point, levels: Array, curved: Array, off: Point
-) -> tuple[int, tuple[float, float, float], float]:
-    """Fill in P x and the residuals, that of the slacks in `off.z`; return status, measures and the residual of τ."""
+) -> tuple[int, tuple[float, float, float], float, float]:
+    """Fill in P x and the residuals, that of the slacks in `off.z`.
+
+    Returns:
+        status, measures, the residual of τ, and ‖Nᵀ z‖ relative to -bᵀ z
+    """
     rows, tau = program.rows, levels[0]
     chain.gradient(program.forms, at.x, curved)
     put(off, 0.0, off)
@@ -206,9 +205,10 @@ def judge(
     status = STALLED
     if max(measures[0], measures[1] / LOOSE, measures[2]) <= accuracy:
         status = SOLVED
-    elif bound < 0.0 and pulled <= -RAY * bound:
+    ray = -pulled / bound if bound < 0.0 else np.inf
+    if status == STALLED and ray <= RAY:
         status = INFEASIBLE
-    return status, measures, linear + bound + levels[1] + square / tau
+    return status, measures, linear + bound + levels[1] + square / tau, ray
 
 
 @compiled
