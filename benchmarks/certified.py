@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosstrack.trajectory.clearance import least_clearance
-from crosstrack.trajectory.extremes import axis_range, largest_norm
-from crosstrack.trajectory.polyline_distance import deviation_peaks, largest_deviation
+from crosstrack.trajectory.certified.clearance import least_clearance
+from crosstrack.trajectory.certified.extremes import axis_range, largest_norm
+from crosstrack.trajectory.certified.polyline_distance import deviation_peaks, largest_deviation
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 from crosstrack.world.shapes import Box

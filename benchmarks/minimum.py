@@ -16,7 +16,7 @@ from scipy.interpolate import make_interp_spline
 
 from crosstrack.trajectory.banded import COLUMNS, GUIDES, kernel
 from crosstrack.trajectory.batch import minimum_batch
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.types import Array
 
 ROUNDS = 11
@@ -120,7 +120,7 @@ def main() -> None:
     for s, what in ((2, "acceleration"), (3, "jerk"), (4, "snap")):
         for segments in (4, 10, 100, 1000):
             waypoints, times = problem(segments)
-            cases = {
+            cases: dict[str, Callable[[], object]] = {
                 "compiled call": compiled_call(segments, s, guided=False),
                 "compiled call, guided": compiled_call(segments, s, guided=True),
                 "minimum()": partial(minimum, waypoints, times, s),

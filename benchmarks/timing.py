@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from crosstrack.trajectory.fastest import fastest
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
-from crosstrack.trajectory.optimal import least_effort
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.timing import constant_speed, rescaled, square_root, trapezoid
+from crosstrack.trajectory.times.fastest import fastest
+from crosstrack.trajectory.times.optimal import least_effort
+from crosstrack.trajectory.times.timing import constant_speed, rescaled, square_root, trapezoid
 from crosstrack.types import Array
 
 SEEDS = 30

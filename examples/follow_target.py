@@ -17,7 +17,7 @@ from crosstrack.protocols import Scenario, Session
 from crosstrack.show.pictures import sheet, write
 from crosstrack.show.style import FOOTPRINT, GRID, PALETTE
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.target import Pursuit, TargetPlan, track_target
 from crosstrack.types import Air, Array, Limits, Noise, Setpoint, Wind

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from crosstrack.cli.app import run
-from crosstrack.trajectory.files import from_bytes
+from crosstrack.trajectory.files.formats import from_bytes
 
 HOP = "start: {position: [0, 0, 5]}\nroute: [[6, 0, 5], [6, 5, 6]]\nspeed: 3\n"
 FILES = ("trajectory.json", "trajectory.csv", "certificate.json", "plan.html")

@@ -11,7 +11,7 @@ import pytest
 import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
-BASE = {"types", "protocols", "errors", "frames", "compiled", "registry"}
+BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy"}
 ROLES = {"world", "path", "trajectory", "plan", "follow", "avoid", "sim", "vehicles"}
 EDGES = {("vehicles", "sim"), ("follow", "path"), ("trajectory", "path"), ("plan", "path"), ("plan", "trajectory")}
 ABOVE = ["flight", "mission", "show", "cli"]

@@ -3,8 +3,9 @@
 The public names below are imported on first use, so that `import crosstrack` costs next to nothing.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from crosstrack.lazy import lazily
 
 __version__ = "0.1.0"
 
@@ -50,14 +51,4 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604 - the names are the table's
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'crosstrack' has no attribute {name!r}")
-    value = getattr(import_module(f"crosstrack.{_PUBLIC[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lazily(__name__, _PUBLIC)

@@ -15,9 +15,9 @@ from crosstrack.flight.plan import Plan
 from crosstrack.follow.carrot import Carrot
 from crosstrack.follow.feed_forward import FeedForward
 from crosstrack.path.pace import course_of
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.flatness.yaw import Faced, Fixed, along_velocity
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import Faced, Fixed, along_velocity
 from crosstrack.types import Array, Limits, Outcome, State, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
 

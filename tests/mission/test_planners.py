@@ -14,8 +14,8 @@ from crosstrack.mission import from_document, loads, schema
 from crosstrack.mission.certified import certified, remarks
 from crosstrack.mission.flying import fly
 from crosstrack.plan.minimum import MinimumJerk, MinimumSnap
-from crosstrack.trajectory.json_file import to_json
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.files.json_file import to_json
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Outcome
 

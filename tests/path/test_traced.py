@@ -13,7 +13,7 @@ from scipy.integrate import quad
 from crosstrack.errors import InputError
 from crosstrack.path.pace import course_of, pace_of
 from crosstrack.path.traced import traced
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array, Envelope
 

@@ -6,9 +6,9 @@ import pytest
 from crosstrack.errors import InputError
 from crosstrack.plan.from_file import FromFile
 from crosstrack.protocols import Planner, PlanningTask
-from crosstrack.trajectory.csv_file import to_csv
-from crosstrack.trajectory.json_file import to_json
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.files.csv_file import to_csv
+from crosstrack.trajectory.files.json_file import to_json
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Envelope
 from crosstrack.world.world import World

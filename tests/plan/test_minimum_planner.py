@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from crosstrack.plan.minimum import DURATIONS, Minimum, MinimumJerk, MinimumSnap, motion_limits
 from crosstrack.protocols import PlanningTask
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.flatness.yaw import Faced
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import Faced
 from crosstrack.types import Array, Envelope
 from crosstrack.world.world import World
 

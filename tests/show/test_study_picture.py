@@ -6,7 +6,7 @@ from matplotlib.patches import Rectangle
 from PIL import Image
 
 from crosstrack.show.study import draw, study_picture
-from crosstrack.trajectory.study import Study, study
+from crosstrack.trajectory.weights.study import Study, study
 
 
 @pytest.fixture(scope="module")

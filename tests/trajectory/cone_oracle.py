@@ -9,7 +9,7 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from crosstrack.trajectory.corridor import Boxes, Polytopes, Tube
+from crosstrack.trajectory.constrained.corridor import Boxes, Polytopes, Tube
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.types import Array
 
@@ -81,7 +81,11 @@ class Oracle:
             if isinstance(corridor, Boxes):
                 low = np.asarray(corridor.low)[piece] - self.origin
                 high = np.asarray(corridor.high)[piece] - self.origin
-                self.add(np.concatenate([rows, -rows]), np.concatenate([high, -low]), clarabel.NonnegativeConeT(2 * len(rows)))
+                self.add(
+                    np.concatenate([rows, -rows]),
+                    np.concatenate([high, -low]),
+                    clarabel.NonnegativeConeT(2 * len(rows)),
+                )
             elif isinstance(corridor, Polytopes):
                 a, b = (np.asarray(part) for part in corridor.faces[piece])
                 self.add(a @ rows, b - a @ self.origin, clarabel.NonnegativeConeT(len(b)))
@@ -104,7 +108,12 @@ class Oracle:
         factor = np.array([perm(int(k), s) for k in order], float)
         inner = np.array([[1.0 / max(j + k - 2 * s + 1, 1) for k in order] for j in order]) * np.outer(factor, factor)
         blocks = [inner * span ** (1 - 2 * s) * 2.0 / unit for span in self.durations]
-        cost = sparse.block_diag([sparse.kron(sparse.block_diag(blocks), sparse.eye(self.dimensions)), sparse.csc_matrix((self.extra, self.extra))])
+        cost = sparse.block_diag(
+            [
+                sparse.kron(sparse.block_diag(blocks), sparse.eye(self.dimensions)),
+                sparse.csc_matrix((self.extra, self.extra)),
+            ]
+        )
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         matrix, side = sparse.vstack(self.rows).tocsc(), np.concatenate(self.sides)
@@ -131,7 +140,9 @@ def least_cost(
     Never more than the least cost within them at every instant.
     """
     instants = (len(times) - 1) * (INSTANTS + 1)
-    oracle = Oracle(np.asarray(points, float), np.asarray(times, float), s, instants if isinstance(corridor, Tube) else 0)
+    oracle = Oracle(
+        np.asarray(points, float), np.asarray(times, float), s, instants if isinstance(corridor, Tube) else 0
+    )
     oracle.smooth(corridor is None)
     if corridor is not None:
         oracle.hold(corridor)

@@ -9,7 +9,7 @@ import pytest
 from curves import random_curve
 
 from crosstrack.errors import InputError
-from crosstrack.trajectory.certificate import certify
+from crosstrack.trajectory.certified.certificate import certify
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.world.grids import Voxels
 from crosstrack.world.shapes import Box

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from crosstrack.trajectory.clearance import least_clearance
+from crosstrack.trajectory.certified.clearance import least_clearance
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.world.grids import Voxels
 from crosstrack.world.shapes import Box, Sphere

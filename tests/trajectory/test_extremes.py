@@ -8,7 +8,7 @@ from curves import SHIFTS, exact, norm_squared, random_curve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crosstrack.trajectory.extremes import axis_range, halfspace_peaks, largest_norm, norm_peaks
+from crosstrack.trajectory.certified.extremes import axis_range, halfspace_peaks, largest_norm, norm_peaks
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 

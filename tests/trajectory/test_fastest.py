@@ -3,12 +3,12 @@ import pytest
 
 from crosstrack.errors import InputError
 from crosstrack.trajectory.conditions import conditions
-from crosstrack.trajectory.fastest import fastest
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
-from crosstrack.trajectory.optimal import least_effort
-from crosstrack.trajectory.tightness import stretched_time
-from crosstrack.trajectory.timing import rescaled, trapezoid
+from crosstrack.trajectory.minimum_derivative import minimum
+from crosstrack.trajectory.times.fastest import fastest
+from crosstrack.trajectory.times.optimal import least_effort
+from crosstrack.trajectory.times.tightness import stretched_time
+from crosstrack.trajectory.times.timing import rescaled, trapezoid
 from crosstrack.types import Array
 
 LIMITS = MotionLimits(speed=4.0, speed_vertical=1.5, acceleration=5.0, acceleration_vertical=3.0, jerk=30.0)

@@ -13,11 +13,11 @@ from crosstrack.errors import InputError
 from crosstrack.sim.airframe import RACER
 from crosstrack.sim.dynamics import derivative
 from crosstrack.sim.fleet import fleet
-from crosstrack.trajectory.ability import Ability, demands, largest_thrust
-from crosstrack.trajectory.flatness import GRAVITY, flatten
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.flatness.ability import Ability, demands, largest_thrust
+from crosstrack.trajectory.flatness.flat import GRAVITY, flatten
+from crosstrack.trajectory.flatness.yaw import Fixed, along_velocity, towards
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import Fixed, along_velocity, towards
 from crosstrack.types import Air, Array, Limits
 
 component = st.floats(-6, 6).map(lambda x: round(x, 2))

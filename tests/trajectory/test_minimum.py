@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from crosstrack.errors import InputError
 from crosstrack.trajectory.batch import minimum_batch
 from crosstrack.trajectory.guide import Guide, chord
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 

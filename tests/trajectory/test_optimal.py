@@ -6,15 +6,15 @@ from scipy.optimize import minimize
 
 from crosstrack.errors import InputError
 from crosstrack.trajectory.conditions import Conditions, conditions
-from crosstrack.trajectory.effort import curvature, grams
-from crosstrack.trajectory.effort_descent import effort
 from crosstrack.trajectory.guide import Guide, chord
-from crosstrack.trajectory.guided_descent import guided_effort
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
-from crosstrack.trajectory.optimal import least_effort, least_effort_and_time
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.timing import square_root, trapezoid
+from crosstrack.trajectory.times.effort import curvature, grams
+from crosstrack.trajectory.times.effort_descent import effort
+from crosstrack.trajectory.times.guided_descent import guided_effort
+from crosstrack.trajectory.times.optimal import least_effort, least_effort_and_time
+from crosstrack.trajectory.times.timing import square_root, trapezoid
 from crosstrack.types import Array
 
 UNIT = {2: 12.0, 3: 720.0, 4: 100800.0}

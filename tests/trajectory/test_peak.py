@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosstrack.trajectory.bernstein import DEEPEST, basis
-from crosstrack.trajectory.peak import peak
+from crosstrack.trajectory.certified.bernstein import DEEPEST, basis
+from crosstrack.trajectory.certified.peak import peak
 from crosstrack.types import Array
 
 

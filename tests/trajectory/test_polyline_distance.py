@@ -9,7 +9,7 @@ from curves import SHIFTS, exact, gap_squared, random_curve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crosstrack.trajectory.polyline_distance import deviation_peaks, largest_deviation
+from crosstrack.trajectory.certified.polyline_distance import deviation_peaks, largest_deviation
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 

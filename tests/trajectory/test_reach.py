@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from crosstrack.trajectory.conditions import conditions
-from crosstrack.trajectory.excess import deviation, excesses
 from crosstrack.trajectory.limits import Bound, MotionLimits
-from crosstrack.trajectory.minimum import minimum
-from crosstrack.trajectory.reach import Reach, least_excess
+from crosstrack.trajectory.minimum_derivative import minimum
+from crosstrack.trajectory.weights.excess import deviation, excesses
+from crosstrack.trajectory.weights.reach import Reach, least_excess
 from crosstrack.types import Array
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from crosstrack.errors import InputError
-from crosstrack.trajectory.study import distance, study
+from crosstrack.trajectory.weights.study import distance, study
 
 WAYPOINTS = np.array([[0, 0], [1, 2], [2, -1], [4, 8], [5, 2]], float)
 TIMES = np.array([0, 0.5400960100096803, 1.3039071123489652, 3.5307800095935304, 5])

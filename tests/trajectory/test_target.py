@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from crosstrack.errors import Infeasible, InputError
-from crosstrack.trajectory.extremes import largest_norm
+from crosstrack.trajectory.certified.extremes import largest_norm
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.target import Pursuit, Trail, free_tube, paced, predict, track_target
 from crosstrack.types import Array

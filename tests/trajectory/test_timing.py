@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 from crosstrack.errors import InputError
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.timing import constant_speed, rescaled, square_root, trapezoid
+from crosstrack.trajectory.times.timing import constant_speed, rescaled, square_root, trapezoid
 from crosstrack.types import Array
 
 TUTORIAL = [[0, 0], [1, 2], [2, -1], [4, 8], [5, 2]]

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosstrack.errors import InputError
-from crosstrack.trajectory.csv_file import COLUMNS, to_csv
-from crosstrack.trajectory.files import from_bytes
-from crosstrack.trajectory.json_file import HEAD, KEYS, to_json
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.files.csv_file import COLUMNS, to_csv
+from crosstrack.trajectory.files.formats import from_bytes
+from crosstrack.trajectory.files.json_file import HEAD, KEYS, to_json
+from crosstrack.trajectory.files.sound import MOST_BYTES, MOST_PIECES, TOLD
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.sound import MOST_BYTES, MOST_PIECES, TOLD
 
 CURVE = minimum(np.array([[0, 0, 10], [4, 1, 9], [5, 6, 11], [0.1, 0.2, 0.3]]), [0, 1.7, 3.1, 9.3], 4)
 WRITERS: dict[str, Callable[[PiecewisePolynomial], str]] = {".json": to_json, ".csv": to_csv}

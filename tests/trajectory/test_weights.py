@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from crosstrack.errors import Infeasible, InputError
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.weights import choose_weights, resting
+from crosstrack.trajectory.weights.choose import choose_weights, resting
 from crosstrack.types import Array
 
 WAYPOINTS = np.array([[0, 0], [1, 2], [2, -1], [4, 8], [5, 2]], float)

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosstrack.path.pace import course_of
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.flatness.yaw import TURN_RATE, Faced, Fixed, Turning, Yaw, along_velocity, towards
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import TURN_RATE, Faced, Fixed, Turning, Yaw, along_velocity, towards
 from crosstrack.types import Array, Envelope
 
 corner = st.tuples(*[st.floats(-20, 20).map(lambda x: round(x, 2))] * 3)

@@ -11,8 +11,8 @@ from crosstrack.cli.watch import say
 from crosstrack.errors import InputError, Problem
 from crosstrack.mission.certified import Certified, Line, certified
 from crosstrack.mission.certified import remarks as breaches
-from crosstrack.trajectory.csv_file import TERMS, to_csv
-from crosstrack.trajectory.json_file import to_json
+from crosstrack.trajectory.files.csv_file import TERMS, to_csv
+from crosstrack.trajectory.files.json_file import to_json
 
 JSON, CSV, CERTIFICATE, PAGE = "trajectory.json", "trajectory.csv", "certificate.json", "plan.html"
 

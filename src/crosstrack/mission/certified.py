@@ -10,10 +10,10 @@ from crosstrack.flight.plan import Plan
 from crosstrack.mission.mission import Mission
 from crosstrack.mission.planning import task_for
 from crosstrack.protocols import PlanningTask
-from crosstrack.trajectory.certificate import Certificate, certify
-from crosstrack.trajectory.extremes import axis_range
+from crosstrack.trajectory.certified.certificate import Certificate, certify
+from crosstrack.trajectory.certified.extremes import axis_range
+from crosstrack.trajectory.flatness.yaw import Faced
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import Faced
 
 ROUNDING = 1e-6
 """m, that a certified height may be below the ground or outside the bounds that the trajectory begins on"""

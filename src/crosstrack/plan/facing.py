@@ -3,8 +3,8 @@
 from typing import Literal
 
 from crosstrack.protocols import Trajectory
+from crosstrack.trajectory.flatness.yaw import Faced, along_velocity
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.yaw import Faced, along_velocity
 
 Look = Literal["fixed", "velocity"]
 """as it does at the start, or where it flies"""

@@ -8,7 +8,7 @@ import numpy as np
 from crosstrack.errors import InputError, Problem
 from crosstrack.plan.facing import Look, facing
 from crosstrack.protocols import PlanningTask, Trajectory
-from crosstrack.trajectory.files import from_bytes
+from crosstrack.trajectory.files.formats import from_bytes
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 

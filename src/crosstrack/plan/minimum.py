@@ -9,15 +9,15 @@ import numpy as np
 from crosstrack.plan.cadence import evenly, spread
 from crosstrack.plan.facing import Look, facing
 from crosstrack.protocols import PlanningTask, Trajectory
-from crosstrack.trajectory.bounded import solve
-from crosstrack.trajectory.corridor import Tube
-from crosstrack.trajectory.fastest import fastest
+from crosstrack.trajectory.constrained.bounded import solve
+from crosstrack.trajectory.constrained.corridor import Tube
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
-from crosstrack.trajectory.optimal import least_effort
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.trajectory.timing import constant_speed, haste, rescaled, square_root, trapezoid
-from crosstrack.trajectory.weights import choose_weights
+from crosstrack.trajectory.times.fastest import fastest
+from crosstrack.trajectory.times.optimal import least_effort
+from crosstrack.trajectory.times.timing import constant_speed, haste, rescaled, square_root, trapezoid
+from crosstrack.trajectory.weights.choose import choose_weights
 from crosstrack.types import Array, NonNegative, Positive
 
 ROUNDS = 12
@@ -85,7 +85,7 @@ class Minimum:
         else:
             durations = DURATIONS[self.times](waypoints, limits, self.derivative)
             knots, times = evenly(waypoints, durations)
-        weight = None if self.guide in {None, 0, "auto"} else self.guide
+        weight = self.guide if isinstance(self.guide, float) and self.guide > 0 else None
         return solve(knots, times, self.derivative, guide=weight, corridor=Tube(radius)).curve
 
     def guided(self, waypoints: Array, durations: Array, weight: float, limits: MotionLimits) -> PiecewisePolynomial:

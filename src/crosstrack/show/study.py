@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from crosstrack.show.pictures import sheet, write
 from crosstrack.show.style import GRID, INK, ROUTE
-from crosstrack.trajectory.study import Study, Tradeoff
+from crosstrack.trajectory.weights.study import Study, Tradeoff
 
 SAMPLES = 1000
 """points drawn of a curve"""

@@ -7,7 +7,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.trajectory.banded import COLUMNS, GUIDES, kernel
 from crosstrack.trajectory.closed_form import LOST
 from crosstrack.trajectory.conditions import ORDERS
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.types import Array
 
 

@@ -19,10 +19,10 @@ import numpy as np
 from crosstrack.errors import Infeasible, InputError, Problem
 from crosstrack.protocols import Map
 from crosstrack.trajectory.conditions import numbers
-from crosstrack.trajectory.corridor import Tube
+from crosstrack.trajectory.constrained.corridor import Tube
 from crosstrack.trajectory.guide import Guide, chord
 from crosstrack.trajectory.limits import MotionLimits
-from crosstrack.trajectory.minimum import minimum
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array, Finite, NonNegative, Positive
 
