@@ -85,7 +85,7 @@ class Minimum:
         else:
             durations = DURATIONS[self.times](waypoints, limits, self.derivative)
             knots, times = evenly(waypoints, durations)
-        weight = self.guide if isinstance(self.guide, float) and self.guide > 0 else None
+        weight = self.guide if isinstance(self.guide, int | float) and self.guide > 0 else None
         return solve(knots, times, self.derivative, guide=weight, corridor=Tube(radius)).curve
 
     def guided(self, waypoints: Array, durations: Array, weight: float, limits: MotionLimits) -> PiecewisePolynomial:
