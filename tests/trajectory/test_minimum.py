@@ -1,6 +1,8 @@
 """The closed form against exact arithmetic, dense quadratic programs and its own optimality."""
 
+import json
 from math import perm
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,9 @@ from hypothesis import strategies as st
 
 from crosstrack.errors import InputError
 from crosstrack.trajectory.batch import minimum_batch
+from crosstrack.trajectory.constrained.corridor import Boxes, Polytopes, Tube
 from crosstrack.trajectory.guide import Guide, chord
+from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
@@ -19,6 +23,7 @@ from crosstrack.types import Array
 NAN = np.nan
 SEEDS = st.integers(0, 10**6)
 ORDERS = st.sampled_from([2, 3, 4])
+STILL = PiecewisePolynomial(np.array([1.0]), np.zeros((1, 1, 2)))
 
 
 def problem(seed: int, segments: int = 6, dimensions: int = 3) -> tuple[Array, Array]:
@@ -49,6 +54,14 @@ def test_it_is_the_curve_that_exact_arithmetic_finds(seed: int, s: int, segments
     curve = minimum(waypoints, times, s)
     exact = exact_coefficients(waypoints[:, 0].tolist(), curve.durations.tolist(), s)
     assert relative_error(curve, exact) < 1e-10
+
+
+def test_the_optimum_of_the_tutorial_is_found() -> None:
+    """Against 60-digit arithmetic."""
+    file = Path(__file__).parents[1] / "data" / "minimum_jerk_optima.json"
+    case = json.loads(file.read_text(encoding="utf-8"))["cases"][0]
+    curve = minimum(case["waypoints"], case["times"], 3)
+    assert curve.cost(3) == pytest.approx(case["objective"], rel=1e-12)
 
 
 @pytest.mark.parametrize("s", [2, 3, 4])
@@ -253,6 +266,17 @@ def test_the_batch_is_each_of_its_trajectories(seed: int, s: int) -> None:
         (([[0, 0], [1, 1]], [0, 1]), {"velocities": [[0, 0]]}, "velocities: must be one for each of the 2"),
         (([[0, 0], [1, 1]], [0, 1]), {"guide": -1.0}, "guide: must be a weight of 0 or more, or guides, found -1.0"),
         (([[0, 0], [1, 1]], [0, 1]), {"guide": "auto"}, "guide: must be a weight of 0 or more, or guides"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": [1.0]}, "guide: must be a weight of 0 or more, or guides, found [1.0]"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": {}}, "guide: must be a weight of 0 or more, or guides, found {}"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(STILL, "much")}, "guide[0].weight: must be one or 1 numbers"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(STILL, 1.0, 1.0)}, "guide[0].order: must be 0, 1 or 2, found 1.0"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(None)}, "guide[0].curve: must be a PiecewisePolynomial"),
+        (([[0, 0], [1, 1]], [0, 1], 3.0), {}, "derivative: must be 2, 3 or 4, found 3.0"),
+        (([[0, 0], [1, 1]], [0, 1], np.array([3, 4])), {}, "derivative: must be 2, 3 or 4, found array([3, 4])"),
+        (([[0, 0], [1, 1]], [0, 1]), {"limits": MotionLimits(speed="9")}, "limits.speed: must be above 0 and finite"),
+        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Tube("9")}, "corridor.radius: must be one or 1 numbers above 0"),
+        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Boxes([[1], [1, 2]], [[2, 2]])}, "corridor.low: must have the shape"),
+        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Polytopes([None])}, "corridor.faces[0]: must be a pair of A (m, 2)"),
         (([[0, 0], [1, 1]], [0, 1]), {"periodic": True}, "waypoints[1]: must be the first again"),
         (([[0, 0], [1, 1]], [0, 1e-300]), {}, "times: are too short or too long"),
         (
@@ -282,9 +306,11 @@ def test_everything_wrong_is_said_at_once() -> None:
         (np.zeros((2, 3)), np.zeros((2, 3)), "waypoints: must have the shape (m, n, d)"),
         (np.zeros((2, 3, 1)), np.zeros((2, 2)), "times: must have the shape (2, 3), found (2, 2)"),
         (np.zeros((2, 3, 1)), np.zeros((2, 3)), "times[0, 1]: must be after 0 s, found 0 s"),
+        ([[[0, 0], [1]]], [[0, 1]], "waypoints: must have the shape (m, n, d)"),
+        (np.zeros((1, 2, 1)), "soon", "times: must have the shape (1, 2), found ()"),
     ],
 )
-def test_bad_batches_are_named(waypoints: Array, times: Array, said: str) -> None:
+def test_bad_batches_are_named(waypoints: Any, times: Any, said: str) -> None:
     with pytest.raises(InputError) as caught:
         minimum_batch(waypoints, times)
     assert said in str(caught.value)
