@@ -106,7 +106,7 @@ class Oracle:
         """Return the least cost, None where there is none; `unit` is a cost of about its size."""
         s, order = self.s, np.arange(2 * self.s)
         factor = np.array([perm(int(k), s) for k in order], float)
-        inner = np.array([[1.0 / max(j + k - 2 * s + 1, 1) for k in order] for j in order]) * np.outer(factor, factor)
+        inner = 1.0 / np.maximum(order[:, None] + order - 2 * s + 1, 1) * np.outer(factor, factor)
         blocks = [inner * span ** (1 - 2 * s) * 2.0 / unit for span in self.durations]
         cost = sparse.block_diag(
             [

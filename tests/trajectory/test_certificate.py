@@ -10,6 +10,8 @@ from curves import random_curve
 
 from crosstrack.errors import InputError
 from crosstrack.trajectory.certified.certificate import certify
+from crosstrack.trajectory.constrained.corridor import Tube, subdivide
+from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.world.grids import Voxels
 from crosstrack.world.shapes import Box
@@ -35,6 +37,14 @@ def test_optima_have_their_known_peaks(case: dict[str, Any]) -> None:
     guided = "lambda" in case["name"]
     assert max(found.jumps[: 3 if guided else 5]) < 1e-9
     assert found.duration == pytest.approx(sum(case["durations"]))
+
+
+def test_a_corridor_of_a_millimetre_is_certified_too() -> None:
+    route = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    curve = minimum(*subdivide(route, [0.0, 5.0, 10.0, 15.0], 1.0), 4, corridor=Tube(0.001))
+    found = certify(curve, route=route).deviation
+    assert found is not None
+    assert 0.0009 < found.attained <= found.value <= 0.001
 
 
 def test_jumps_are_relative_to_the_derivative() -> None:

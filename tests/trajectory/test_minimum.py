@@ -24,6 +24,9 @@ NAN = np.nan
 SEEDS = st.integers(0, 10**6)
 ORDERS = st.sampled_from([2, 3, 4])
 STILL = PiecewisePolynomial(np.array([1.0]), np.zeros((1, 1, 2)))
+NONE: Any = None
+TEXT: Any = "9"
+FRACTION: Any = 1.0
 
 
 def problem(seed: int, segments: int = 6, dimensions: int = 3) -> tuple[Array, Array]:
@@ -268,15 +271,19 @@ def test_the_batch_is_each_of_its_trajectories(seed: int, s: int) -> None:
         (([[0, 0], [1, 1]], [0, 1]), {"guide": "auto"}, "guide: must be a weight of 0 or more, or guides"),
         (([[0, 0], [1, 1]], [0, 1]), {"guide": [1.0]}, "guide: must be a weight of 0 or more, or guides, found [1.0]"),
         (([[0, 0], [1, 1]], [0, 1]), {"guide": {}}, "guide: must be a weight of 0 or more, or guides, found {}"),
-        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(STILL, "much")}, "guide[0].weight: must be one or 1 numbers"),
-        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(STILL, 1.0, 1.0)}, "guide[0].order: must be 0, 1 or 2, found 1.0"),
-        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(None)}, "guide[0].curve: must be a PiecewisePolynomial"),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(STILL, TEXT)}, "guide[0].weight: must be one or 1 numbers"),
+        (
+            ([[0, 0], [1, 1]], [0, 1]),
+            {"guide": Guide(STILL, 1.0, FRACTION)},
+            "guide[0].order: must be 0, 1 or 2, found 1.0",
+        ),
+        (([[0, 0], [1, 1]], [0, 1]), {"guide": Guide(NONE)}, "guide[0].curve: must be a PiecewisePolynomial"),
         (([[0, 0], [1, 1]], [0, 1], 3.0), {}, "derivative: must be 2, 3 or 4, found 3.0"),
         (([[0, 0], [1, 1]], [0, 1], np.array([3, 4])), {}, "derivative: must be 2, 3 or 4, found array([3, 4])"),
-        (([[0, 0], [1, 1]], [0, 1]), {"limits": MotionLimits(speed="9")}, "limits.speed: must be above 0 and finite"),
-        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Tube("9")}, "corridor.radius: must be one or 1 numbers above 0"),
+        (([[0, 0], [1, 1]], [0, 1]), {"limits": MotionLimits(speed=TEXT)}, "limits.speed: must be above 0 and finite"),
+        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Tube(TEXT)}, "corridor.radius: must be one or 1 numbers above 0"),
         (([[0, 0], [1, 1]], [0, 1]), {"corridor": Boxes([[1], [1, 2]], [[2, 2]])}, "corridor.low: must have the shape"),
-        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Polytopes([None])}, "corridor.faces[0]: must be a pair of A (m, 2)"),
+        (([[0, 0], [1, 1]], [0, 1]), {"corridor": Polytopes([NONE])}, "corridor.faces[0]: must be a pair of A (m, 2)"),
         (([[0, 0], [1, 1]], [0, 1]), {"periodic": True}, "waypoints[1]: must be the first again"),
         (([[0, 0], [1, 1]], [0, 1e-300]), {}, "times: are too short or too long"),
         (
@@ -308,6 +315,7 @@ def test_everything_wrong_is_said_at_once() -> None:
         (np.zeros((2, 3, 1)), np.zeros((2, 3)), "times[0, 1]: must be after 0 s, found 0 s"),
         ([[[0, 0], [1]]], [[0, 1]], "waypoints: must have the shape (m, n, d)"),
         (np.zeros((1, 2, 1)), "soon", "times: must have the shape (1, 2), found ()"),
+        (np.ones((1, 3, 1)) * [[0.0], [1.0], [2.0]], [[0, 1e-300, 1]], "times: are too short or too long"),
     ],
 )
 def test_bad_batches_are_named(waypoints: Any, times: Any, said: str) -> None:

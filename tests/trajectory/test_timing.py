@@ -136,3 +136,13 @@ def test_rescaled_refuses_what_has_no_answer() -> None:
         rescaled(curve, MotionLimits(speed_vertical=1.0))
     with pytest.raises(InputError, match=r"limits\.jerk: must be above 0"):
         rescaled(curve, MotionLimits(jerk=0.0))
+
+
+def test_whole_numbers_are_limits_too() -> None:
+    waypoints = [[0, 0, 0], [10, 0, 1], [10, 5, 3]]
+    whole = trapezoid(waypoints, MotionLimits(speed=4, speed_vertical=1, acceleration=2, acceleration_vertical=1))
+    same = trapezoid(
+        waypoints, MotionLimits(speed=4.0, speed_vertical=1.0, acceleration=2.0, acceleration_vertical=1.0)
+    )
+    np.testing.assert_array_equal(whole, same)
+    assert np.isfinite(whole).all()

@@ -170,7 +170,8 @@ def test_wrong_json_is_told_with_its_places(text: str, messages: list[str]) -> N
         (cells(1, 1, "inf"), ["line 2: coefficients: must be finite numbers"]),
         (cells(3, 32, "0.1"), ["line 4: yaw: a yaw that turns is not flown: its coefficients must be 0"]),
         (cells(3, 1, "77"), ["line 4: coefficients: begins 72 m from where the piece before ends"]),
-        ('"' + "a" * 200_000, ["not CSV: field larger than field limit"]),
+        ("1," * 100_000, ["line 1: row: must hold 8192 characters at most"]),
+        ('"' + ("a" * 8000 + "\n") * 20, ["not CSV: field larger than field limit"]),
     ],
 )
 def test_wrong_csv_is_told_with_its_lines(text: str, messages: list[str]) -> None:

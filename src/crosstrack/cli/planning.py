@@ -36,7 +36,7 @@ def plan(file: Path, trajectory: Path | None, folder: Path | None, settings: Seq
         )
         raise InputError(str(file), [Problem("planner", message)])
     if not compiled_before():
-        say("Planning; the first run compiles for some seconds ...")
+        say("Planning; the first run compiles for up to a minute ...")
     found = certified(mission, mission.build())
     folder = made(folder or Path("runs") / mission.name)
     with named(folder):

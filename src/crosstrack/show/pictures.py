@@ -21,6 +21,7 @@ from crosstrack.show.footprint import footprint
 from crosstrack.show.panels import HEADROOM, Panel, Role, panels
 from crosstrack.show.sight import hidden, towards
 from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, LEAST_TOP, OBSTACLE, PALETTE, PLANNED, ROUTE, SCALE
+from crosstrack.show.words import CHASED
 from crosstrack.types import Array, Outcome
 
 DPI = 130
@@ -169,8 +170,8 @@ def plan_view(flight: Flight, drawn: Scene) -> Figure:
     if flight.plan.course.trajectory is not None:
         axes.plot(*drawn.course[:, :2].T, color=PLANNED, linewidth=1.2, label="trajectory")
     axes.plot(*position[:, :2].T, color=PALETTE[0], linewidth=1.8, label="flown")
-    every = max(1, len(record.time) // 60)
-    axes.plot(*record.aim[::every, :2].T, ".", color=PALETTE[1], markersize=3, label="carrot")
+    every, chased = max(1, len(record.time) // 60), CHASED[flight.plan.course.trajectory is not None]
+    axes.plot(*record.aim[::every, :2].T, ".", color=PALETTE[1], markersize=3, label=chased)
     for label, point, look in ends(flight, drawn):
         axes.plot(*point[:2, None], **look, label=label)
     if drawn.meshes:

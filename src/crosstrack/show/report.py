@@ -21,7 +21,7 @@ from crosstrack.show.figures import View, plan_view, space, times
 from crosstrack.show.panels import panels
 from crosstrack.show.style import LEAST_TOP, PALETTE, SCALE
 from crosstrack.show.traces import packed
-from crosstrack.show.words import CARDS, NOTHING, rows
+from crosstrack.show.words import CARDS, CHASED, NOTHING, rows
 from crosstrack.types import Array
 
 DRAWN = 4000
@@ -145,6 +145,7 @@ def figures(views: Sequence[View], drawn: Scene) -> dict[str, Any]:
         "times": times(views),
         "scale": [list(step) for step in SCALE],
         "least": LEAST_TOP,
+        "aim": CHASED[views[0].flight.plan.course.trajectory is not None],
         "stops": stops.tolist(),
         "vehicles": [vehicle(view, stops) for view in views],
     }

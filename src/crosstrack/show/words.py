@@ -42,6 +42,9 @@ CARDS = (
 )
 """the metrics that head a report"""
 
+CHASED = {False: "carrot", True: "aim"}
+"""what the point chased is called, without and with a trajectory"""
+
 NOTHING = "\N{EN DASH}"
 
 

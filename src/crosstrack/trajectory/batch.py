@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crosstrack.errors import InputError, Problem
+from crosstrack.trajectory.arguments import as_numbers
 from crosstrack.trajectory.banded import COLUMNS, GUIDES, kernel
 from crosstrack.trajectory.closed_form import LOST
-from crosstrack.trajectory.conditions import ORDERS
+from crosstrack.trajectory.conditions import order_faults
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.types import Array
 
@@ -35,7 +36,7 @@ def minimum_batch(
     Raises:
         InputError: all that is wrong with the arguments, or one trajectory is undetermined.
     """
-    points, moments = np.asarray(waypoints, float), np.asarray(times, float)
+    points, moments = as_numbers(waypoints), as_numbers(times)
     found = _faults(points, moments, derivative)
     if found:
         raise InputError("minimum_batch", found)
@@ -59,7 +60,7 @@ def minimum_batch(
 
 
 def _solve(durations: Array, knots: Array, out: Array) -> NDArray[np.bool_]:
-    """Fill in the coefficients of at most COLUMNS axes; return which trajectories (m,) have lost too many digits."""
+    """Fill in the coefficients of at most COLUMNS axes; return which (m,) have lost too many digits or all."""
     count, segments, terms, width = out.shape
     few = np.zeros((count * (segments + 1), terms // 2, COLUMNS))
     few[:, :, :width] = knots.reshape(-1, terms // 2, width)
@@ -67,18 +68,18 @@ def _solve(durations: Array, knots: Array, out: Array) -> NDArray[np.bool_]:
     nothing = np.empty((0, GUIDES)), np.empty((0, terms, COLUMNS))
     kernel(terms // 2)(durations.ravel(), few, *nothing, coefficients, least)
     out[:] = coefficients[:, :, :width].reshape(out.shape)
-    return np.asarray(~(least > LOST))
+    return np.asarray(~(least > LOST) | ~np.isfinite(out[:, :, -1]).all(axis=(1, 2)))
 
 
 def _faults(points: Array, moments: Array, derivative: int) -> list[Problem]:
     """Return what is wrong with waypoints and times."""
-    found = [] if derivative in ORDERS else [Problem("derivative", f"must be 2, 3 or 4, found {derivative!r}")]
+    found = order_faults(derivative)
     if points.ndim != 3 or points.shape[1] < 2 or points.size == 0:
         found.append(Problem("waypoints", f"must have the shape (m, n, d) with n of at least 2, found {points.shape}"))
     elif moments.shape != points.shape[:2]:
         found.append(Problem("times", f"must have the shape {points.shape[:2]}, found {moments.shape}"))
     for name, array in (("waypoints", points), ("times", moments)):
-        if not np.isfinite(array).all():
+        if array.ndim and not np.isfinite(array).all():
             where = np.argwhere(~np.isfinite(array))[0].tolist()
             found.append(Problem(f"{name}{where}", f"must be a finite number, found {array[tuple(where)]}"))
     if not found and not (rising := np.diff(moments, axis=1) > 0).all():
@@ -94,7 +95,7 @@ def _fill(name: str, value: ArrayLike | None, knot: Array) -> list[Problem]:
     knot[:] = 0.0
     if value is None:
         return []
-    rows = np.asarray(value, float)
+    rows = as_numbers(value)
     if rows.ndim not in {2, 3} or rows.shape[-1] != dimensions or rows.shape[-2] > most:
         allowed = f"(k, {dimensions}) or ({count}, k, {dimensions}) with k of at most {most}"
         return [Problem(name, f"must have the shape {allowed}, found {rows.shape}")]

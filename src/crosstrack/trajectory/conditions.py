@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosstrack.errors import InputError, Problem
+from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.banded import GUIDES
 from crosstrack.trajectory.guide import Guide, chord_loads
 from crosstrack.types import Array
@@ -54,8 +55,7 @@ def conditions(
     """
     found: list[Problem] = []
     points, moments = numbers("waypoints", waypoints, 2, found), numbers("times", times, 1, found)
-    if derivative not in ORDERS:
-        found.append(Problem("derivative", f"must be 2, 3 or 4, found {derivative!r}"))
+    found += order_faults(derivative)
     if not found:
         found += _fit(points, moments)
     if found:
@@ -75,6 +75,13 @@ def conditions(
     if found:
         raise InputError("minimum", found)
     return Conditions(durations, knots, weights, loads, points[0], periodic)
+
+
+def order_faults(derivative: int) -> list[Problem]:
+    """Return what is wrong with the derivative that is to be minimised."""
+    if isinstance(derivative, int | np.integer) and derivative in ORDERS:
+        return []
+    return [Problem("derivative", f"must be 2, 3 or 4, found {derivative!r}")]
 
 
 def numbers(name: str, value: ArrayLike, dimensions: int, found: list[Problem]) -> Array:
@@ -181,12 +188,15 @@ def _guides(
     if guides is None:
         return np.empty((0, GUIDES)), np.empty((0, 2 * s, dimensions))
     weights = np.zeros((len(durations), GUIDES))
-    if not isinstance(guides, Sequence) or isinstance(guides, str):
-        if isinstance(guides, str) or not 0 <= guides < np.inf:
-            found.append(Problem("guide", f"must be a weight of 0 or more, or guides, found {guides!r}"))
+    if not isinstance(guides, Sequence):
+        if not is_number(guides) or not 0 <= guides < np.inf:
+            found.append(Problem("guide", f"must be a weight of 0 or more, or guides, found {guides!r:.60}"))
             return weights, np.empty(0)
         weights[:, 0] = guides
         return weights, chord_loads(points, durations, weights[:, 0], s)
+    if not all(isinstance(guide, Guide) for guide in guides):
+        found.append(Problem("guide", f"must be a weight of 0 or more, or guides, found {guides!r:.60}"))
+        return weights, np.empty(0)
     loads = np.zeros((len(durations), 2 * s, dimensions))
     moments = np.concatenate([[0.0], np.cumsum(durations)])
     for k, guide in enumerate(guides):

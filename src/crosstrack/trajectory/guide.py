@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.trajectory import hermite
+from crosstrack.trajectory.arguments import as_numbers
 from crosstrack.trajectory.banded import GUIDES
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
@@ -27,11 +28,13 @@ class Guide:
 
     def faults(self, segments: int, dimensions: int) -> list[tuple[str, str]]:
         """Return what is wrong with it for a trajectory, as pairs of a field and a message."""
-        found, weight = [], np.asarray(self.weight, float)
-        if self.order not in range(GUIDES):
+        found, weight = [], as_numbers(self.weight)
+        if not isinstance(self.order, int | np.integer) or self.order not in range(GUIDES):
             found.append(("order", f"must be 0, 1 or 2, found {self.order!r}"))
         if weight.shape not in {(), (segments,)} or not ((weight >= 0) & np.isfinite(weight)).all():
             found.append(("weight", f"must be one or {segments} numbers of 0 or more, found {self.weight!r:.60}"))
+        if not isinstance(self.curve, PiecewisePolynomial):
+            return [*found, ("curve", f"must be a PiecewisePolynomial, found {self.curve!r:.60}")]
         shape = self.curve.coefficients.shape
         if shape[2] != dimensions:
             found.append(("curve", f"must have {dimensions} dimensions, found {shape[2]}"))

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from crosstrack.errors import Problem
+from crosstrack.trajectory.arguments import is_number
 
 VERTICAL = (2,)
 """the axis of the vertical limits"""
@@ -61,7 +62,7 @@ class MotionLimits:
             place, value = f"limits.{field.name}", getattr(self, field.name)
             if value is None:
                 continue
-            if not 0 < value < float("inf"):
+            if not is_number(value) or not 0 < value < float("inf"):
                 found.append(Problem(place, f"must be above 0 and finite, found {value!r}"))
             if field.name.endswith("_vertical") and dimensions != 3:
                 found.append(Problem(place, f"is for three dimensions, found {dimensions}"))

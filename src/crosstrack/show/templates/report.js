@@ -63,9 +63,9 @@
   const moving = vehicles.flatMap((vehicle) => [
     { type: "scatter3d", mode: "lines", name: "trail", line: { width: 10, color: vehicle.color }, opacity: 0.5 },
     { type: "scatter3d", mode: "lines", name: "vehicle", line: { width: 7, color: "#0f172a" } },
-    { type: "scatter3d", mode: "lines+markers", name: "carrot", line: { width: 2, color: "#f97316" },
+    { type: "scatter3d", mode: "lines+markers", name: data.aim, line: { width: 2, color: "#f97316" },
       marker: { size: [0.1, 5], color: "#f97316", line: { width: 0 } } },
-  ]).map((trace) => ({ ...trace, x: [null], y: [null], z: [null], hoverinfo: "skip", showlegend: trace.name === "carrot" && vehicles.length === 1 }));
+  ]).map((trace) => ({ ...trace, x: [null], y: [null], z: [null], hoverinfo: "skip", showlegend: trace.name === data.aim && vehicles.length === 1 }));
   const firstMoving = data.space.data.length;
   const movingIndices = moving.map((_, index) => firstMoving + index);
 

@@ -28,7 +28,7 @@ from crosstrack.trajectory.certified.peak import peak
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
-TOLERANCE = 1e-6
+TOLERANCE = 1e-9
 """m"""
 SIDE = 1 / 16
 """least share of a part that is divided"""

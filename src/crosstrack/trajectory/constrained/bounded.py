@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from crosstrack.errors import Infeasible, InputError, Problem
 from crosstrack.trajectory.conditions import Conditions, conditions
-from crosstrack.trajectory.constrained.cones import depths
+from crosstrack.trajectory.constrained.cones import Flags, depths
 from crosstrack.trajectory.constrained.contradictions import contradictions, reasons
 from crosstrack.trajectory.constrained.corridor import Corridor
 from crosstrack.trajectory.constrained.exchange import Exchange, Found
@@ -17,7 +17,6 @@ from crosstrack.trajectory.constrained.spans import Spans
 from crosstrack.trajectory.guide import Guide, chord
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.types import Array
 
 TIGHTNESS = 1e-3
 """relative to the least cost"""
@@ -104,7 +103,7 @@ def _checked(
     limits: MotionLimits | None,
     through: Sequence[bool] | None,
     tightness: float,
-) -> Array:
+) -> Flags:
     """Return which knots are free (N + 1,)."""
     points = asked.knots[:, 0] + asked.origin
     found: list[Problem] = []
@@ -121,7 +120,7 @@ def _checked(
         found.append(Problem("tightness", f"must be between 0 and 1, found {tightness!r}"))
     if found:
         raise InputError("minimum", found)
-    free: Array = ~kept if corridor is not None else np.zeros(len(points), bool)
+    free: Flags = ~kept if corridor is not None else np.zeros(len(points), bool)
     free[[0, -1]] = False
     return free
 
@@ -156,7 +155,7 @@ def _along(guide: Guide, d: int) -> Guide:
 
 def _solved(
     asked: Conditions,
-    free: Array,
+    free: Flags,
     corridor: float | Corridor | None,
     limits: MotionLimits | None,
     guides: list[Guide],

@@ -1,6 +1,6 @@
 """Quadratic costs of a chain of knots, and the block tridiagonal systems of their minimisation.
 
-Every knot has m = s d unknowns, derivative by derivative, axis by axis. A segment couples the unknowns of its two knots, so
+Every knot has m = s d unknowns, derivative by derivative, axis by axis. A segment couples those of its two knots, so
 the matrix is a chain of blocks, factored from one end to the other as L Lᵀ in O(N m³).
 """
 
@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crosstrack.compiled import compiled
+from crosstrack.trajectory.constrained.cones import Flags
 from crosstrack.types import Array
 
 TINY = 1e-15
@@ -16,7 +17,7 @@ TINY = 1e-15
 
 
 class Blocks(NamedTuple):
-    """A symmetric block tridiagonal matrix, or its factor L; of the blocks on the diagonal only the lower half counts."""
+    """A symmetric block tridiagonal matrix, or its factor L; the lower half of its diagonal blocks counts."""
 
     diagonal: Array
     """(N + 1, m, m)"""
@@ -64,7 +65,7 @@ def add(piece: int, shape: Array, weight: Array, out: Blocks) -> None:
 
 
 @compiled
-def hold(fixed: Array, out: Blocks) -> None:
+def hold(fixed: Flags, out: Blocks) -> None:
     """Replace the rows and columns of the unknowns that are fixed (N + 1, m) by those of the identity."""
     diagonal, below = out
     last = fixed.shape[0] - 1

@@ -4,12 +4,13 @@ A constraint holds one derivative of one piece at one instant, v = φᵀ z (d,),
 
     s = b - N v - c θ
 
-of its rows lie in a cone. The first rows of a constraint may form a second-order cone s₀ >= ‖s₁‖, the others are at least
-zero each; θ is a number of the constraint's own, as where along a chord a ball lies. Slacks and multipliers are scaled by
-Nesterov and Todd's W, λ = W z = W⁻¹ s (Nesterov and Todd 1997; Vandenberghe, The CVXOPT linear and quadratic cone program
-solvers, 2010, section 4).
+of its rows lie in a cone. The first rows of a constraint may form a second-order cone s₀ >= ‖s₁‖, the others are at
+least zero each; θ is a number of the constraint's own, as where along a chord a ball lies. Slacks and multipliers are
+scaled by Nesterov and Todd's W, λ = W z = W⁻¹ s (Nesterov and Todd 1997; Vandenberghe, The CVXOPT linear and quadratic
+cone program solvers, 2010, section 4).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from crosstrack.compiled import compiled
 from crosstrack.types import Array
 
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 class Rows(NamedTuple):
@@ -88,8 +90,8 @@ def determinant(u: Array, first: int, end: int) -> float:
     norm = 0.0
     for r in range(first + 1, end):
         norm += u[r] * u[r]
-    norm = np.sqrt(norm)
-    return (u[first] - norm) * (u[first] + norm)
+    norm = math.sqrt(norm)
+    return float((u[first] - norm) * (u[first] + norm))
 
 
 @compiled
@@ -178,7 +180,7 @@ def weigh(rows: Rows, scaling: Scaling, p: int, inner: Array, out: Array) -> Non
 def correction(
     rows: Rows, scaling: Scaling, centre: float, s: Array, z: Array, step_s: Array, step_z: Array, out: Array
 ) -> None:
-    """Fill `out` with W (λ \\ (λ ∘ λ + W⁻¹ Δs ∘ W Δz - centre e)), what slacks and multipliers are to lose together."""
+    """Fill `out` with W u, λ ∘ u = λ ∘ λ + W⁻¹ Δs ∘ W Δz - centre e: what slacks and multipliers are to lose."""
     lam, left, right = np.empty(s.size), np.empty(s.size), np.empty(s.size)
     for p in range(rows.piece.size):
         turn(rows, scaling, p, 1.0, z, lam)

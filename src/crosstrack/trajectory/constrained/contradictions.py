@@ -5,12 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosstrack.errors import Problem
-from crosstrack.trajectory.constrained.exchange import ROUNDING, Found, Held
+from crosstrack.trajectory.constrained.exchange import Found, Held
 from crosstrack.trajectory.constrained.families import Excess, Family, inside
 from crosstrack.trajectory.constrained.spans import Spans
 
 TOLD = 8
 """contradictions that are told"""
+ROUNDING = 1e-9
+"""relative, excess of what is given that is none"""
 SHARE = 0.02
 """of the proof, below which a constraint is not told"""
 UNITS = ("m", "m/s", "m/s²", "m/s³")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosstrack.errors import Problem
+from crosstrack.trajectory.arguments import as_numbers
 from crosstrack.trajectory.conditions import numbers
 from crosstrack.types import Array
 
@@ -26,7 +27,7 @@ class Boxes:
     def faults(self, points: Array) -> list[Problem]:
         """Return what is wrong with them for waypoints (n, d)."""
         shape = (len(points) - 1, points.shape[1])
-        sides = [np.asarray(side, float) for side in (self.low, self.high)]
+        sides = [as_numbers(side) for side in (self.low, self.high)]
         names = ("corridor.low", "corridor.high")
         wrong = [
             Problem(name, f"must have the shape {shape}, found {side.shape}")
@@ -54,7 +55,7 @@ class Tube:
 
     def faults(self, points: Array) -> list[Problem]:
         """Return what is wrong with it for waypoints (n, d)."""
-        radius, count = np.asarray(self.radius, float), len(points) - 1
+        radius, count = as_numbers(self.radius), len(points) - 1
         if radius.shape not in {(), (count,)} or not ((radius > 0) & np.isfinite(radius)).all():
             return [Problem("corridor.radius", f"must be one or {count} numbers above 0, found {self.radius!r:.60}")]
         return []
@@ -73,8 +74,12 @@ class Polytopes:
         if len(self.faces) != count:
             return [Problem("corridor.faces", f"must be one for each of the {count} segments, found {len(self.faces)}")]
         found: list[Problem] = []
-        for i, (normals, offsets) in enumerate(self.faces):
+        for i, face in enumerate(self.faces):
             place = f"corridor.faces[{i}]"
+            if not isinstance(face, Sequence) or len(face) != 2:
+                found.append(Problem(place, f"must be a pair of A (m, {dimensions}) and b (m,), found {face!r:.60}"))
+                continue
+            normals, offsets = face
             a = numbers(f"{place}.A", normals, 2, found)
             b = numbers(f"{place}.b", offsets, 1, found)
             if a.size and b.size and (a.shape[1] != dimensions or len(a) != len(b)):

@@ -1,9 +1,9 @@
 """Constraints at every instant, by exchange (Hettich and Kortanek, Semi-infinite programming, 1993).
 
-A program holds the sets, tightened by a small margin, at finitely many instants. Its optimum is searched for the instants
-where it leaves them by the most, certified by polynomial bounds; these are added, until the optimum violates nothing at any
-instant. Convexity makes the multipliers a proof of how near the cost is to the least: with the slacks s of the sets as they
-are, not tightened, no curve costs less than J - 2 zᵀ s.
+A program holds the sets, tightened by a small margin, at finitely many instants. Its optimum is searched for the
+instants where it leaves them by the most, certified by polynomial bounds; these are added, until the optimum violates
+nothing at any instant. Convexity makes the multipliers a proof of how near the cost is to the least: with the slacks s
+of the sets as they are, not tightened, no curve costs less than J - 2 zᵀ s.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from crosstrack.trajectory.closed_form import closed_form
-from crosstrack.trajectory.constrained.cones import Indices, Rows, depths
+from crosstrack.trajectory.constrained.cones import Flags, Indices, Rows, depths
 from crosstrack.trajectory.constrained.families import Excess, Family, inside
-from crosstrack.trajectory.constrained.interior import INFEASIBLE, Measures, Point, Program, solved
+from crosstrack.trajectory.constrained.interior import INFEASIBLE, Measures, Program, solved
+from crosstrack.trajectory.constrained.newton import Point
 from crosstrack.trajectory.constrained.spans import Spans
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
@@ -25,12 +26,12 @@ FINITE_MARGIN = 1e-10
 """relative, where the instants are all there are"""
 THINNEST = 1e-8
 """relative, margin below which sets have no inside worth the name"""
-ROUNDING = 1e-9
-"""relative, excess that is none where there is no room for a margin"""
+ROUNDING = 1e-6
+"""relative, excess that is let pass where what is given lies on the boundary, so that there is no room for a margin"""
 ROUNDS = 30
 LEARNING = 12
 """rounds after which what is still violated is tightened by it"""
-ACCURACY, FINITE_ACCURACY = 1e-8, 1e-10
+ACCURACY, FINITE_ACCURACY = 1e-6, 1e-9
 """of the programs"""
 POOR, FAILURES = 1e-5, 3
 """residual of the constraints with which a program counts as failed, and how often it may"""
@@ -56,7 +57,7 @@ class Instants:
     """(n,) unit time"""
     margin: Array
     """(N,) of each piece, relative"""
-    touching: Array
+    touching: Flags
     """(N,) bool, pieces where what is given leaves no room for a margin"""
 
 
@@ -77,6 +78,9 @@ class Held:
     """(rows,) unit time"""
 
 
+EXACT = Measures(0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Found:
     """What a search has found: a curve, or in the multipliers why there is none."""
@@ -91,7 +95,7 @@ class Found:
     held: Held | None = None
     """the last program, None where none was needed"""
     point: Point | None = None
-    measures: Measures = Measures(0.0, 0.0, 0.0)
+    measures: Measures = EXACT
     rounds: int = 0
     steps: int = 0
 
@@ -126,7 +130,7 @@ class Exchange:
         self.movable = np.concatenate([free[:-1], free[1:]], axis=1)
 
     def _room(self, family: Family) -> Array:
-        """Return how far inside the sets (N,) what is given at the knots of a piece is, infinity where it is not inside."""
+        """Return how far inside the sets what is given at the knots of a piece is (N,); infinity where outside."""
         knots, order = self.spans.asked.knots, family.order
         room = np.full(len(knots) - 1, np.inf)
         if order < knots.shape[1]:
@@ -143,8 +147,6 @@ class Exchange:
             if all(self.certified(found)):
                 return found
         unit = max(unit, NOTHING * self._hasty())
-        forms, slope = self.spans.forms / unit, self.slope / unit
-        fixed = self.spans.fixed.reshape(len(slope), -1)
         steps, best, failures = 0, None, 0
         for rounds in range(1, ROUNDS + 1):
             found = self._round(unit, rounds, steps)
@@ -155,7 +157,7 @@ class Exchange:
             if found.curve is None or found.measures.primal > POOR:
                 continue
             if all(self.certified(found)):
-                best = found if best is None or found.cost < best.cost else best
+                best = found if best is None or found.gap < best.gap else best
                 if found.gap <= tightness:
                     break
                 if found.cost > SMALL * unit:

@@ -191,7 +191,7 @@ def corridor_family(corridor: float | Corridor, points: Array, origin: Array) ->
 
 
 def capsules(points: Array, radius: Array) -> Sets:
-    """Return the sets within a radius (N,) of the chords of points (N + 1, d): ‖p - a - θ (b - a)‖ <= r, 0 <= θ <= 1."""
+    """Return ‖p - a - θ (b - a)‖ <= r, 0 <= θ <= 1 for radii (N,) and the chords of points (N + 1, d)."""
     count, dimensions = len(points) - 1, points.shape[1]
     size = dimensions + 3
     normals, slides, bounds, firm = np.zeros((count, size, dimensions)), *np.zeros((3, count, size))
@@ -209,7 +209,7 @@ def capsules(points: Array, radius: Array) -> Sets:
 
 def box_faces(low: Array, high: Array) -> Faces:
     """Return boxes (N, d) as faces; open sides have none."""
-    count, dimensions = low.shape
+    dimensions = low.shape[1]
     half = np.where(np.isfinite(high - low), 0.5 * (high - low), 1.0)
     normals = np.concatenate([np.eye(dimensions), -np.eye(dimensions)])
     offsets = np.concatenate([high, -low], axis=1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.trajectory.constrained import chain, cones, newton
-from crosstrack.trajectory.constrained.cones import Rows
+from crosstrack.trajectory.constrained.cones import Flags, Rows
 from crosstrack.trajectory.constrained.newton import Point, System
 from crosstrack.types import Array
 
@@ -24,8 +24,8 @@ SHORTEST = 1e-6
 """step that is no progress"""
 LOOSE = 100.0
 """times the accuracy, what the gradient may be off by: rounding grows with the multipliers over the slacks"""
-DONE = 1e-4
-"""times the accuracy, gap below which no step gains anything"""
+DONE, NEAR = 1e-4, 1e-2
+"""times the accuracy, gap, and error of the gradient, below which no step gains anything"""
 BLURRED = 0.01
 """times the accuracy, error of the gradient from which on systems are solved twice"""
 RAY, DIM_RAY = 1e-8, 1e-5
@@ -40,7 +40,7 @@ class Program(NamedTuple):
     """(N, 2 s, 2 s) of each segment, the same for every axis"""
     slope: Array
     """(N + 1, s, d) q"""
-    fixed: Array
+    fixed: Flags
     """(N + 1, s d) bool, unknowns that stay zero"""
     rows: Rows
 
@@ -71,7 +71,8 @@ def solved(program: Program, accuracy: float) -> tuple[int, int, Point, Measures
             break
         before = Point(*(part.copy() for part in at)), levels.copy()
         measures, ray = Measures(*now), off_ray
-        if status != STALLED or steps == MOST_STEPS or measures.gap <= DONE * accuracy or not levels[0] > 0.0:
+        done = measures.gap <= DONE * accuracy and measures.dual <= NEAR
+        if status != STALLED or done or steps == MOST_STEPS or not levels[0] > 0.0:
             break
         twice = measures.dual > BLURRED * accuracy
         if not move(program, system, degree, at, levels, off, off_tau, side, step, right, spare, twice) > SHORTEST:
@@ -151,20 +152,21 @@ def judge(
     rows, tau = program.rows, levels[0]
     curved = np.empty(at.x.shape)
     chain.gradient(program.forms, at.x, curved)
-    for i in np.ndindex(off.x.shape):
-        off.x[i] = 0.0
+    off.x[:] = 0.0
     cones.pulls(rows, at.z, off.x, off.theta)
     cones.products(rows, at.x, at.theta, off.z)
     largest, pulled, cost_scale = 0.0, 0.0, 1.0
     square, linear, bound = 0.0, 0.0, 0.0
-    fixed, flat = program.fixed.reshape(at.x.shape), off.x
-    for i in np.ndindex(at.x.shape):
-        square += at.x[i] * curved[i]
-        linear += at.x[i] * program.slope[i]
-        cost_scale = max(cost_scale, abs(program.slope[i]))
+    count = at.x.size
+    fixed, flat, x = program.fixed.reshape(count), off.x.reshape(count), at.x.reshape(count)
+    slope, bent = program.slope.reshape(count), curved.reshape(count)
+    for i in range(count):
+        square += x[i] * bent[i]
+        linear += x[i] * slope[i]
+        cost_scale = max(cost_scale, abs(slope[i]))
         if not fixed[i]:
             pulled = max(pulled, abs(flat[i]))
-            flat[i] += curved[i] + tau * program.slope[i]
+            flat[i] += bent[i] + tau * slope[i]
             largest = max(largest, abs(flat[i]))
     for p in range(rows.piece.size):
         pulled, largest = max(pulled, abs(off.theta[p])), max(largest, abs(off.theta[p]))
@@ -263,9 +265,11 @@ def solve(program: Program, system: System, twice: bool, step: Point, right: Poi
 def along(program: Program, at: Point, curved: Array, tau: float, step: Point) -> tuple[float, float]:
     """Return (q + 2 P x / τ)ᵀ Δx + bᵀ Δz and xᵀ P x / τ²."""
     lean, bend = 0.0, 0.0
-    for i in np.ndindex(curved.shape):
-        lean += (program.slope[i] + 2.0 * curved[i] / tau) * step.x[i]
-        bend += at.x[i] * curved[i] / (tau * tau)
+    count = curved.size
+    slope, bent, x, by = program.slope.reshape(count), curved.reshape(count), at.x.reshape(count), step.x.reshape(count)
+    for i in range(count):
+        lean += (slope[i] + 2.0 * bent[i] / tau) * by[i]
+        bend += x[i] * bent[i] / (tau * tau)
     for r in range(step.z.size):
         lean += program.rows.bounds[r] * step.z[r]
     return lean, bend

@@ -3,7 +3,8 @@
     [ P   Nᵀ  ] [ x ]   [ f ]
     [ N  -W²  ] [ z ] = [ g ]
 
-With z = W⁻² (N x - g) the constraints add to P what has its block structure; each constraint's own θ is eliminated alone.
+With z = W⁻² (N x - g) the constraints add to P what has its block structure; each constraint's own θ is eliminated
+alone.
 """
 
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.trajectory.constrained import chain
 from crosstrack.trajectory.constrained.chain import Blocks
-from crosstrack.trajectory.constrained.cones import Rows, Scaling, products, pulls, turn, unscaled, weigh
+from crosstrack.trajectory.constrained.cones import Flags, Rows, Scaling, products, pulls, turn, unscaled, weigh
 from crosstrack.types import Array
 
 
@@ -39,7 +40,7 @@ class System(NamedTuple):
     """(n, d + 1) last row of (N, c)ᵀ W⁻² (N, c) of each constraint"""
 
 
-def room(rows: Rows, fixed: Array) -> System:
+def room(rows: Rows, fixed: Flags) -> System:
     """Return an empty system."""
     count = len(rows.piece)
     scaling = Scaling(np.ones(len(rows.bounds)), np.ones(count))
@@ -47,7 +48,7 @@ def room(rows: Rows, fixed: Array) -> System:
 
 
 @compiled
-def factor(rows: Rows, forms: Array, fixed: Array, out: System) -> float:
+def factor(rows: Rows, forms: Array, fixed: Flags, out: System) -> float:
     """Fill `out` from its scaling and the quadratic forms (N, 2 s, 2 s); return the least relative pivot.
 
     Unknowns that are fixed (N + 1, m) stay zero.
@@ -71,7 +72,7 @@ def factor(rows: Rows, forms: Array, fixed: Array, out: System) -> float:
 
 
 @compiled
-def solve(rows: Rows, system: System, fixed: Array, x: Array, theta: Array, z: Array) -> None:
+def solve(rows: Rows, system: System, fixed: Flags, x: Array, theta: Array, z: Array) -> None:
     """Replace f, its part for θ, and g, as x (N + 1, s, d), `theta` (n,) and `z` (rows,), by the solution."""
     s, dimensions = x.shape[1], x.shape[2]
     image, own = np.empty(z.size), system.own
@@ -118,7 +119,7 @@ def recover(rows: Rows, system: System, x: Array, theta: Array, z: Array, image:
 
 
 @compiled
-def miss(rows: Rows, forms: Array, fixed: Array, system: System, right: Point, found: Point, out: Point) -> None:
+def miss(rows: Rows, forms: Array, fixed: Flags, system: System, right: Point, found: Point, out: Point) -> None:
     """Fill x, θ and z of `out` with what a solution leaves of the right side; its slacks are to work in."""
     flat_fixed = fixed.reshape(out.x.shape)
     chain.gradient(forms, found.x, out.x)

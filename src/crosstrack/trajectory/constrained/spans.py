@@ -13,7 +13,7 @@ import numpy as np
 from crosstrack.trajectory import hermite
 from crosstrack.trajectory.banded import GUIDES
 from crosstrack.trajectory.conditions import Conditions
-from crosstrack.trajectory.constrained.cones import Indices
+from crosstrack.trajectory.constrained.cones import Flags, Indices
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
@@ -23,7 +23,7 @@ class Spans:
     """Conditions, seen as a chain of segments between free knots."""
 
     asked: Conditions
-    free: Array
+    free: Flags
     """(N + 1,) bool, knots whose position is free"""
 
     @property
@@ -32,7 +32,7 @@ class Spans:
         return self.asked.order
 
     @cached_property
-    def fixed(self) -> Array:
+    def fixed(self) -> Flags:
         """(N + 1, s, d) bool, unknowns that are given"""
         fixed = ~np.isnan(self.asked.knots)
         fixed[self.free, 0] = False
@@ -94,7 +94,7 @@ class Spans:
         """Return a derivative (n, d) at unit times of pieces, positions relative to the first waypoint."""
         z = self.ends(y)[piece]
         basis = hermite.values(self.order, order, tau) / self.asked.durations[piece, None] ** order
-        found = np.einsum("nk,nkd->nd", basis, z)
+        found: Array = np.einsum("nk,nkd->nd", basis, z)
         return found + self.asked.knots[piece, 0] if order == 0 else found
 
     def unknowns(self, curve: PiecewisePolynomial) -> Array:

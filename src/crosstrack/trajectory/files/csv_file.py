@@ -19,6 +19,9 @@ TERMS = 8
 COLUMNS = ("Duration", *(f"{axis}^{power}" for axis in ("x", "y", "z", "yaw") for power in range(TERMS)))
 TURNING = 1 + 3 * TERMS
 """the first column of the yaw"""
+LONGEST_LINE = 8192
+"""characters, ten times what numbers need"""
+ROWS = f"must hold 1 to {MOST_PIECES} rows below the header, one for each piece"
 
 
 def to_csv(curve: PiecewisePolynomial) -> str:
@@ -42,17 +45,22 @@ def from_csv(name: str, text: str) -> PiecewisePolynomial:
     Raises:
         InputError: everything that is wrong with it, each with its line and column.
     """
+    lines = text.splitlines()
+    long = [number for number, line in enumerate(lines, 1) if len(line) > LONGEST_LINE]
+    if long:
+        raise InputError(name, [Problem("row", f"must hold {LONGEST_LINE} characters at most", long[0])])
+    if (count := sum(bool(line.strip()) for line in lines) - 1) > MOST_PIECES:
+        raise InputError(name, [Problem("", f"{ROWS}, found {count}")])
     try:
-        rows = [(number, trimmed(row)) for number, row in enumerate(csv.reader(text.splitlines()), 1)]
+        rows = [(number, trimmed(row)) for number, row in enumerate(csv.reader(lines), 1)]
     except csv.Error as error:
         raise InputError(name, [Problem("", f"not CSV: {error}")]) from None
     rows = [(number, row) for number, row in rows if row]
     if not rows or [cell.lower() for cell in rows[0][1]] != [column.lower() for column in COLUMNS]:
         wanted = f"must name the {len(COLUMNS)} columns {', '.join(COLUMNS[:3])}, ... {COLUMNS[-1]}"
         raise InputError(name, [Problem("header", wanted, rows[0][0] if rows else None)])
-    if not 1 <= len(rows) - 1 <= MOST_PIECES:
-        message = f"must hold 1 to {MOST_PIECES} rows below the header, one for each piece, found {len(rows) - 1}"
-        raise InputError(name, [Problem("", message)])
+    if len(rows) < 2:
+        raise InputError(name, [Problem("", f"{ROWS}, found 0")])
     table = numbers(name, rows[1:])
     coefficients = table[:, 1:TURNING].reshape(-1, 3, TERMS).transpose(0, 2, 1)
 

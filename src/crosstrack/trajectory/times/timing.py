@@ -153,7 +153,7 @@ def _allocated(waypoints: ArrayLike, limits: MotionLimits, needed: tuple[str, ..
 
 def _along(steps: Array, lengths: Array, most: float | None, vertical: float | None) -> Array:
     """Return the largest speed or acceleration (N,) along the legs that keeps within a limit and a vertical one."""
-    along = np.full(len(steps), np.inf if most is None else most)
+    along = np.full(len(steps), np.inf if most is None else most, float)
     if vertical is not None:
         heights = np.abs(steps[:, VERTICAL[0]])
         climbs = heights > 0.0
