@@ -1,5 +1,7 @@
 """One root for every error of the library; each carries its evidence."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 
@@ -50,6 +52,17 @@ class Infeasible(CrosstrackError):  # noqa: N818 - the field's word for it
         self.source = source
         self.problems = tuple(problems)
         super().__init__("\n".join([f"{source}: infeasible", *(f"  {problem}" for problem in problems)]))
+
+
+@contextmanager
+def reported_by(source: str) -> Iterator[None]:
+    """Name the function that was called, not one that it calls, as the source of errors; also as a decorator."""
+    try:
+        yield
+    except (InputError, Infeasible) as error:
+        if error.source == source:
+            raise
+        raise type(error)(source, list(error.problems)) from None
 
 
 class LinkLost(CrosstrackError):  # noqa: N818 - the field's word for it

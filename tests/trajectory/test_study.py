@@ -37,9 +37,9 @@ def test_the_mean_deviation_is_the_mean_over_time() -> None:
 
 def test_weights_are_taken_in_order_and_need_not_be_none() -> None:
     assert [row.weight for row in study(WAYPOINTS, TIMES, weights=[10, 0]).rows] == [0, 10]
-    with pytest.raises(InputError, match="weights: must be at least one"):
+    with pytest.raises(InputError, match="weights: must be numbers of 0 or more"):
         study(WAYPOINTS, TIMES, weights=[])
-    with pytest.raises(InputError, match="must be a weight of 0 or more"):
+    with pytest.raises(InputError, match="weights: must be numbers of 0 or more"):
         study(WAYPOINTS, TIMES, weights=[-1])
 
 

@@ -77,11 +77,11 @@ def certified(mission: Mission, plan: Plan) -> Certified:
     trajectory = plan.course.trajectory
     if isinstance(trajectory, Faced):
         trajectory = trajectory.trajectory
-    if not isinstance(trajectory, PiecewisePolynomial):
+    if mission.planner is None or not isinstance(trajectory, PiecewisePolynomial):
         message = f"makes a {type(trajectory).__name__}; only piecewise polynomials can be certified"
         raise InputError(mission.name, [Problem("planner", message)])
-    task = task_for(mission, plan.route, plan.scenario)
-    allowed = None if mission.planner is None else mission.planner.allowed(mission.tolerance)
+    task = task_for(mission, mission.planner, plan.route, plan.scenario)
+    allowed = mission.planner.allowed(mission.tolerance)
     certificate = certify(trajectory, route=plan.route.points, world=task.world)
     lines = [
         Line("duration", "s", trajectory.duration),

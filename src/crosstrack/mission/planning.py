@@ -28,14 +28,11 @@ def course_for(mission: "Mission", route: Polyline, scenario: Scenario) -> Cours
     if not envelope.stops:
         message = "plans from rest to rest, and this kind of vehicle cannot stop"
         raise InputError(mission.name, [Problem("planner", message)])
+    return course_of(mission.planner.plan(task_for(mission, mission.planner, route, scenario)), envelope)
 
-    return course_of(mission.planner.plan(task_for(mission, route, scenario)), envelope)
 
-
-def task_for(mission: "Mission", route: Polyline, scenario: Scenario) -> PlanningTask:
-    """Return what a mission asks of its planner; a share of the acceleration is left to the tracker."""
-    planner: Planner | None = mission.planner
-    assert planner is not None  # who asks has one
+def task_for(mission: "Mission", planner: Planner, route: Polyline, scenario: Scenario) -> PlanningTask:
+    """Return what a mission asks of a planner; a share of the acceleration is left to the tracker."""
     envelope = mission.vehicle.envelope(scenario)
     reserved = replace(
         envelope,

@@ -4,14 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrack.trajectory.limits import MotionLimits
+from crosstrack.trajectory.times.timing import along
 from crosstrack.types import Array
 
 STEP = 0.5
 """s, at most between knots"""
 MOST = 600
 """knots over all legs together, besides the waypoints"""
-LEVEL = 1e-9
-"""steepness of a leg below which its climb bounds nothing"""
 SHARPEST = 1e-3
 """cosine of half the turn, below which a corner counts as a turn on the spot"""
 
@@ -29,7 +28,8 @@ def spread(waypoints: Array, radius: float, limits: MotionLimits) -> tuple[Array
     """
     steps = np.diff(waypoints, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
-    fastest, strongest = along(steps / lengths[:, None], limits)
+    fastest = along(steps, lengths, limits.speed, limits.speed_vertical)
+    strongest = along(steps, lengths, limits.acceleration, limits.acceleration_vertical)
     ends = reachable(corners(steps / lengths[:, None], radius, fastest, strongest), lengths, strongest)
     v0, v1 = ends[:-1], ends[1:]
     peak = np.minimum(fastest, np.sqrt((v0**2 + v1**2) / 2 + strongest * lengths))
@@ -59,17 +59,6 @@ def cut(durations: Array) -> tuple[Array, NDArray[np.intp], Array]:
     leg = np.repeat(np.arange(len(parts)), parts)
     share = (np.arange(len(leg)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[leg]
     return starts, leg, share * durations[leg]
-
-
-def along(directions: Array, limits: MotionLimits) -> tuple[Array, Array]:
-    """Return the largest speed and acceleration (N,) along unit vectors (N, 3)."""
-    steep = np.maximum(np.abs(directions[:, 2]), LEVEL)
-    pairs = ((limits.speed, limits.speed_vertical), (limits.acceleration, limits.acceleration_vertical))
-    both = [
-        np.minimum(np.inf if most is None else most, np.inf if vertical is None else vertical / steep)
-        for most, vertical in pairs
-    ]
-    return both[0], both[1]
 
 
 def corners(directions: Array, radius: float, fastest: Array, strongest: Array) -> Array:

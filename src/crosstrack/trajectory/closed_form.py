@@ -78,7 +78,7 @@ def closed_loop(asked: Conditions) -> Conditions:
     """Return the conditions with the derivatives at the ends of a loop that minimise its cost.
 
     The curve is linear in them: with the curve that has zeros there, and one for each that has a one there and all
-    else zero, they follow from a system of at most s - 1 equations.
+    else zero, they are at most s - 1 unknowns of a least-squares problem: the cost is a sum of squares, see `graded`.
     """
     knots, columns = asked.knots, asked.knots.shape[2]
     free = np.flatnonzero(np.isnan(knots[0, :, 0]))
@@ -89,14 +89,11 @@ def closed_loop(asked: Conditions) -> Conditions:
         both[ENDS, row, columns + column] = 1.0
     loads = np.concatenate([asked.loads, np.zeros((*asked.loads.shape[:2], len(free)))], axis=2)
     solved(replace(asked, loads=loads), both)
-    z = ends(asked.durations, both)
-    pushed = stiffness(asked, z)
-    pull = np.einsum("ikf,ikd->fd", z[:, :, columns:], pushed[:, :, :columns])
-    if asked.weights.size:
-        pull -= np.einsum("ikf,ikd->fd", z[:, :, columns:], asked.loads)
-    matrix = np.einsum("ikf,ikg->fg", z[:, :, columns:], pushed[:, :, columns:])
+    found = residuals(asked, ends(asked.durations, both))
+    matrix, off = found[:, columns:], found[:, :columns] - drawn(asked)
+    sizes = np.linalg.norm(matrix, axis=0)
     closed = knots.copy()
-    closed[np.ix_(ENDS, free)] = -np.linalg.solve(matrix, pull)
+    closed[np.ix_(ENDS, free)] = -np.linalg.lstsq(matrix / sizes, off, rcond=None)[0] / sizes[:, None]
     return replace(asked, knots=closed)
 
 
@@ -109,11 +106,25 @@ def ends(durations: Array, knots: Array) -> Array:
     return z
 
 
-def stiffness(asked: Conditions, z: Array) -> Array:
-    """Return half the gradient (N, 2 s, d) of the quadratic part of the cost by the ends of every segment."""
-    s, durations = asked.order, asked.durations[:, None, None]
-    pushed = durations ** (1 - 2 * s) * (hermite.gram(s, s) @ z)
+def residuals(asked: Conditions, z: Array) -> Array:
+    """Return the rows (rows, d) whose squares add up to the quadratic part of the cost of ends z (N, 2 s, d)."""
+    s, spans = asked.order, asked.durations[:, None, None]
+    rows = [spans ** (0.5 - s) * (hermite.root(s, s) @ z)]
+    for order in range(GUIDES) if asked.weights.size else ():
+        weight = asked.weights[:, order, None, None]
+        rows.append(np.sqrt(weight) * spans ** (0.5 - order) * (hermite.root(s, order) @ z))
+    return np.concatenate([row.reshape(-1, z.shape[2]) for row in rows])
+
+
+def drawn(asked: Conditions) -> Array:
+    """Return what the guides draw `residuals` to, (rows, d): the lowest order takes the linear terms of all."""
+    s, spans, dimensions = asked.order, asked.durations[:, None, None], asked.knots.shape[2]
+    rows, loaded = [np.zeros((len(spans) * s, dimensions))], np.zeros(len(spans), bool)
     for order in range(GUIDES) if asked.weights.size else ():
         weight = asked.weights[:, order]
-        pushed += weight[:, None, None] * durations ** (1 - 2 * order) * (hermite.gram(s, order) @ z)
-    return pushed
+        takes = (weight > 0.0) & ~loaded
+        scale = np.sqrt(np.where(takes, weight, 1.0))[:, None, None] * spans ** (0.5 - order)
+        found = np.linalg.pinv(hermite.root(s, order).T) @ asked.loads / scale
+        rows.append(np.where(takes[:, None, None], found, 0.0).reshape(-1, dimensions))
+        loaded |= takes
+    return np.concatenate(rows)

@@ -11,7 +11,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Map
 from crosstrack.trajectory.certified.clearance import TOLERANCE, Clearance, least_clearance
 from crosstrack.trajectory.certified.extremes import Extreme, largest_norm
-from crosstrack.trajectory.certified.polyline_distance import largest_deviation
+from crosstrack.trajectory.certified.polyline_distance import largest_deviation, route_faults
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
@@ -152,15 +152,11 @@ def check(curve: PiecewisePolynomial, route: Array | None, world: Map | None) ->
         piece = int(np.argmin(np.isfinite(curve.coefficients).all(axis=(1, 2))))
         problems.append(Problem(f"curve.coefficients[{piece}]", "must be finite"))
     if route is not None:
-        shape = np.shape(route)
-        if len(shape) != 2 or not shape[0] or shape[1] != dimensions:
-            problems.append(Problem("route", f"shape {shape}, allowed is (n, {dimensions}) with n at least 1"))
-        elif not np.isfinite(route).all():
-            problems.append(Problem("route", "must be finite"))
+        problems += route_faults("route", route, dimensions)
     if world is not None and dimensions != 3:
         problems.append(Problem("curve", f"{dimensions} dimensions, a clearance needs 3"))
     if problems:
-        raise InputError("certificate", problems)
+        raise InputError("certify", problems)
 
 
 def optimism(world: Map) -> float:

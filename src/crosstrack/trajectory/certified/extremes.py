@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.compiled import compiled
+from crosstrack.errors import InputError, Problem
 from crosstrack.trajectory.certified.bernstein import (
     DEEPEST,
     EPSILON,
@@ -88,7 +89,12 @@ def norm_peaks(
 def largest_norm(
     curve: PiecewisePolynomial, order: int = 0, axes: Sequence[int] | None = None, *, tolerance: float = TOLERANCE
 ) -> Extreme:
-    """Enclose the maximum over time of the Euclidean norm of the derivative of an order, see `norm_peaks`."""
+    """Enclose the maximum over time of the Euclidean norm of the derivative of an order, see `norm_peaks`.
+
+    Raises:
+        InputError: the order is below 0, or the curve has no such axis.
+    """
+    check("largest_norm", curve, order, axes)
     return norm_peaks(curve, order, axes, tolerance=tolerance).largest()
 
 
@@ -126,7 +132,11 @@ def axis_range(curve: PiecewisePolynomial, order: int = 0, *, tolerance: float =
         curve: of any degree and dimension
         order: 0 is the position itself
         tolerance: of the largest |Bernstein coefficient|, the position taken from the start of the curve
+
+    Raises:
+        InputError: the order is below 0.
     """
+    check("axis_range", curve, order, None)
     count, dimensions = len(curve.durations), curve.coefficients.shape[2]
     sides = np.concatenate([np.eye(dimensions), -np.eye(dimensions)])
     levels = sides @ curve.coefficients[0, 0] if order == 0 else np.zeros(2 * dimensions)
@@ -142,6 +152,17 @@ def axis_range(curve: PiecewisePolynomial, order: int = 0, *, tolerance: float =
         Range(Extreme(-low.value, -low.attained, low.time, low.piece), high)
         for high, low in zip(tops[:dimensions], tops[dimensions:], strict=True)
     ]
+
+
+def check(source: str, curve: PiecewisePolynomial, order: int, axes: Sequence[int] | None) -> None:
+    """Raise InputError for a derivative or axes that a curve does not have."""
+    dimensions, found = curve.coefficients.shape[2], []
+    if not isinstance(order, int | np.integer) or order < 0:
+        found.append(Problem("order", f"must be 0 or more, found {order!r:.60}"))
+    if axes is not None and not (len(axes) and all(axis in range(dimensions) for axis in axes)):
+        found.append(Problem("axes", f"must be from 0 to {dimensions - 1}, one at least, found {axes!r:.60}"))
+    if found:
+        raise InputError(source, found)
 
 
 def raised(top: Extreme, level: float) -> Extreme:

@@ -11,6 +11,8 @@ import math
 import numpy as np
 
 from crosstrack.compiled import compiled
+from crosstrack.errors import InputError, Problem
+from crosstrack.trajectory.arguments import as_numbers
 from crosstrack.trajectory.certified.bernstein import (
     DEEPEST,
     EPSILON,
@@ -57,8 +59,25 @@ def largest_deviation(curve: PiecewisePolynomial, points: Array, *, tolerance: f
         curve: of any degree and dimension
         points: (n, dimensions) m, one at least
         tolerance: m
+
+    Raises:
+        InputError: the points have another shape than that, or are not finite.
     """
+    found = route_faults("points", points, curve.coefficients.shape[2])
+    if found:
+        raise InputError("largest_deviation", found)
     return peaks(curve, measured(curve, points, tolerance, False)).largest()
+
+
+def route_faults(name: str, points: Array, dimensions: int) -> list[Problem]:
+    """Return what is wrong with the corners of a polyline."""
+    corners = as_numbers(points)
+    if corners.ndim != 2 or not len(corners) or corners.shape[1] != dimensions:
+        found = corners.shape if corners.ndim else f"{points!r:.60}"
+        return [Problem(name, f"must have the shape (n, {dimensions}) with n at least 1, found {found}")]
+    if not np.isfinite(corners).all():
+        return [Problem(name, "must be finite")]
+    return []
 
 
 def measured(curve: PiecewisePolynomial, points: Array, tolerance: float, own: bool) -> Array:

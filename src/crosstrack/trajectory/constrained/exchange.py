@@ -31,7 +31,7 @@ ROUNDING = 1e-6
 ROUNDS = 30
 LEARNING = 12
 """rounds after which what is still violated is tightened by it"""
-ACCURACY, FINITE_ACCURACY = 1e-6, 1e-9
+ACCURACY, FINITE_ACCURACY = 1e-6, 1e-12
 """of the programs"""
 POOR, FAILURES = 1e-5, 3
 """residual of the constraints with which a program counts as failed, and how often it may"""

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.trajectory.closed_form import closed_form
-from crosstrack.trajectory.conditions import Conditions, conditions
+from crosstrack.trajectory.conditions import Conditions, conditions, order_faults
 from crosstrack.trajectory.limits import Bound, MotionLimits
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.tightness import stretched_time
@@ -37,6 +37,7 @@ class Fastest:
     iterations: int
 
 
+@reported_by("fastest")
 def fastest(waypoints: ArrayLike, limits: MotionLimits, derivative: int = 3) -> Fastest:
     """Return the trajectory through waypoints, from rest to rest, that is over as soon as limits allow.
 
@@ -58,11 +59,11 @@ def fastest(waypoints: ArrayLike, limits: MotionLimits, derivative: int = 3) -> 
     Raises:
         InputError: all that is wrong with the arguments.
     """
-    found: list[Problem] = []
+    found = order_faults(derivative)
     steps = legs(waypoints, found)
     if steps.size:
         found += limits.faults(steps.shape[1])
-        if not found and not limits.bounds(steps.shape[1]):
+        if not limits.bounds(steps.shape[1]):
             found.append(Problem("limits", "must hold at least one limit"))
     if found:
         raise InputError("fastest", found)

@@ -22,7 +22,7 @@ from crosstrack.trajectory.conditions import Conditions
 from crosstrack.trajectory.guide import Guide, quadrature
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.effort import grams, slopes
-from crosstrack.trajectory.times.effort_descent import Descent, Effort
+from crosstrack.trajectory.times.effort_descent import SMALLEST, Descent, Effort
 from crosstrack.types import Array
 
 FLAT = 1e-7
@@ -57,7 +57,8 @@ def descend_guided(
     scale = objective(np.log(durations))[0] or 1.0
     done = minimize(objective, np.log(durations), jac=True, method="BFGS", options={"gtol": FLAT})
     best = guided_effort(remade(at(done.x)), guides)
-    return Descent(best, bool(done.success), int(done.nit), float(np.abs(done.jac).max()) * scale / best.value)
+    slope = float(np.abs(done.jac).max()) * scale / max(best.value, SMALLEST)
+    return Descent(best, bool(done.success), int(done.nit), slope)
 
 
 def guided_effort(asked: Conditions, guides: Sequence[Guide]) -> Effort:

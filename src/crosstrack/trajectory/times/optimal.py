@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
+from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.closed_form import closed_form
-from crosstrack.trajectory.conditions import Conditions, conditions
+from crosstrack.trajectory.conditions import Conditions, conditions, order_faults
 from crosstrack.trajectory.guide import Guide
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.effort_descent import descend
@@ -31,6 +32,7 @@ class Timed:
     """largest slope of the objective by the logarithm of a duration, relative to the effort; zero at the optimum"""
 
 
+@reported_by("least_effort")
 def least_effort(
     waypoints: ArrayLike,
     total: float,
@@ -53,7 +55,7 @@ def least_effort(
         waypoints: (n, d) m, at least two, no two neighbours the same
         total: s
         derivative: s, 2 for acceleration, 3 for jerk, 4 for snap
-        start: see `minimum.minimum`
+        start: see `minimum`
         end: likewise
         velocities: likewise
         periodic: likewise
@@ -62,12 +64,13 @@ def least_effort(
     Raises:
         InputError: all that is wrong with the arguments, or they leave the trajectory undetermined.
     """
-    found = total_fault(total)
+    found = total_fault(total) + order_faults(derivative)
     begin = _begin(waypoints, 1.0 if found else total, found)
     remade = _maker(waypoints, derivative, start, end, velocities, periodic, guide)
     return _timed(remade, guide, begin, None)
 
 
+@reported_by("least_effort_and_time")
 def least_effort_and_time(
     waypoints: ArrayLike,
     price: float,
@@ -89,7 +92,7 @@ def least_effort_and_time(
         waypoints: (n, d) m, at least two, no two neighbours the same
         price: ρ, unit of the effort per second
         derivative: s, 2 for acceleration, 3 for jerk, 4 for snap
-        start: see `minimum.minimum`
+        start: see `minimum`
         end: likewise
         velocities: likewise
         periodic: likewise
@@ -98,7 +101,9 @@ def least_effort_and_time(
     Raises:
         InputError: all that is wrong with the arguments, or they leave the trajectory undetermined.
     """
-    found = [] if 0 < price < np.inf else [Problem("price", f"must be above 0 and finite, found {price!r}")]
+    found = order_faults(derivative)
+    if not is_number(price) or not 0 < price < np.inf:
+        found.append(Problem("price", f"must be above 0 and finite, found {price!r:.60}"))
     begin = _begin(waypoints, 1.0, found)
     remade = _maker(waypoints, derivative, start, end, velocities, periodic, guide)
     # from rest to rest and without guides the effort is α^(1-2s) times as much in α times the time

@@ -5,7 +5,8 @@ from math import perm
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
+from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.certified.extremes import largest_norm
 from crosstrack.trajectory.conditions import numbers
 from crosstrack.trajectory.limits import VERTICAL, MotionLimits
@@ -18,6 +19,7 @@ AT_REST = 1e-6
 """of its maximum, up to which a derivative at the ends counts as zero"""
 
 
+@reported_by("constant_speed")
 def constant_speed(waypoints: ArrayLike, limits: MotionLimits | None = None, *, total: float | None = None) -> Array:
     """Return durations (N,) s in proportion to the lengths of the legs.
 
@@ -34,6 +36,7 @@ def constant_speed(waypoints: ArrayLike, limits: MotionLimits | None = None, *, 
     return _allocated(waypoints, limits or _unit(total), ("speed",), total)
 
 
+@reported_by("square_root")
 def square_root(waypoints: ArrayLike, limits: MotionLimits | None = None, *, total: float | None = None) -> Array:
     """Return durations (N,) s in proportion to the square roots of the lengths of the legs.
 
@@ -50,6 +53,7 @@ def square_root(waypoints: ArrayLike, limits: MotionLimits | None = None, *, tot
     return _allocated(waypoints, limits or _unit(total), ("acceleration",), total)
 
 
+@reported_by("trapezoid")
 def trapezoid(waypoints: ArrayLike, limits: MotionLimits, *, total: float | None = None) -> Array:
     """Return durations (N,) s from rest to rest on every leg: accelerate, cruise where there is room, decelerate.
 
@@ -106,9 +110,9 @@ def stretched(curve: PiecewisePolynomial, factor: float) -> PiecewisePolynomial:
 
 def total_fault(total: float | None) -> list[Problem]:
     """Return what is wrong with a total duration."""
-    if total is None or 0 < total < np.inf:
+    if total is None or (is_number(total) and 0 < total < np.inf):
         return []
-    return [Problem("total", f"must be above 0 s and finite, found {total!r}")]
+    return [Problem("total", f"must be above 0 s and finite, found {total!r:.60}")]
 
 
 def legs(waypoints: ArrayLike, found: list[Problem]) -> Array:
@@ -140,10 +144,10 @@ def _allocated(waypoints: ArrayLike, limits: MotionLimits, needed: tuple[str, ..
     if found:
         raise InputError("times", found)
     lengths = np.linalg.norm(steps, axis=1)
-    speeds = _along(steps, lengths, limits.speed, limits.speed_vertical)
+    speeds = along(steps, lengths, limits.speed, limits.speed_vertical)
     durations: Array = lengths / speeds
     if "acceleration" in needed:
-        accelerations = _along(steps, lengths, limits.acceleration, limits.acceleration_vertical)
+        accelerations = along(steps, lengths, limits.acceleration, limits.acceleration_vertical)
         durations = 2.0 * np.sqrt(lengths / accelerations)
         if "speed" in needed:
             cruises = lengths > speeds**2 / accelerations
@@ -151,14 +155,14 @@ def _allocated(waypoints: ArrayLike, limits: MotionLimits, needed: tuple[str, ..
     return durations if total is None else durations * (total / durations.sum())
 
 
-def _along(steps: Array, lengths: Array, most: float | None, vertical: float | None) -> Array:
+def along(steps: Array, lengths: Array, most: float | None, vertical: float | None) -> Array:
     """Return the largest speed or acceleration (N,) along the legs that keeps within a limit and a vertical one."""
-    along = np.full(len(steps), np.inf if most is None else most, float)
+    found = np.full(len(steps), np.inf if most is None else most, float)
     if vertical is not None:
         heights = np.abs(steps[:, VERTICAL[0]])
         climbs = heights > 0.0
-        along[climbs] = np.minimum(along[climbs], vertical * lengths[climbs] / heights[climbs])
-    return along
+        found[climbs] = np.minimum(found[climbs], vertical * lengths[climbs] / heights[climbs])
+    return found
 
 
 def _moving(curve: PiecewisePolynomial) -> list[Problem]:

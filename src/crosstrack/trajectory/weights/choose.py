@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import Infeasible, InputError, Problem
+from crosstrack.errors import Infeasible, InputError, Problem, reported_by
 from crosstrack.trajectory import hermite
+from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.conditions import conditions
 from crosstrack.trajectory.guide import Guide, chord
 from crosstrack.trajectory.limits import Bound, MotionLimits
@@ -50,6 +51,7 @@ class WeightsChosen:
         return np.asarray(self.guide.weight)
 
 
+@reported_by("choose_weights")
 def choose_weights(
     waypoints: ArrayLike,
     times: ArrayLike,
@@ -77,7 +79,7 @@ def choose_weights(
             weights; or it is so close that the search ends undecided. The message says which, and by how much.
 
     Example:
-        >>> from crosstrack.trajectory.weights.choose import choose_weights
+        >>> from crosstrack.trajectory import choose_weights
         >>> chosen = choose_weights([[0, 0], [4, 0], [4, 3]], [0, 2, 4], max_deviation=0.1)
         >>> bool(chosen.deviations.max() <= 0.1), chosen.weights.shape
         (True, (2,))
@@ -85,8 +87,8 @@ def choose_weights(
     asked = conditions(waypoints, times, derivative, start, end, None, False, 0.0)
     points = np.array(waypoints, float)
     found = limits.faults(points.shape[1]) if limits else []
-    if not 0 < max_deviation < np.inf:
-        found.append(Problem("max_deviation", f"must be a length above 0, in metres, found {max_deviation!r}"))
+    if not is_number(max_deviation) or not 0 < max_deviation < np.inf:
+        found.append(Problem("max_deviation", f"must be a length above 0, in metres, found {max_deviation!r:.60}"))
     if found:
         raise InputError("choose_weights", found)
     allowed = [deviation(max_deviation), *(limits.bounds(points.shape[1]) if limits else ())]

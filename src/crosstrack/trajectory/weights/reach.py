@@ -80,7 +80,10 @@ def least_excess(
     cuts = Cuts.joined([freedom.around(row, each) for row, each in enumerate(allowed)])
     cuts = Cuts.joined([cuts, *(freedom.cuts(row, each, curve) for row, each in enumerate(allowed))])
     for _ in range(ROUNDS):
-        solution, shares = program(cuts, freedom.most(allowed[0].most * at_most))
+        found = program(cuts, freedom.most(allowed[0].most * at_most))
+        if found is None:
+            break
+        solution, shares = found
         bound = min(proven(cuts, shares, freedom.most(allowed[0].most * at_most)), at_most)
         if bound > at_least:
             at_least, binding = bound, blame(cuts, shares)
@@ -238,13 +241,15 @@ class Freedom:
         return Cuts(matrix, level, sizes, np.stack([np.full(len(where), row), where], axis=1))
 
 
-def program(cuts: Cuts, most: Array) -> tuple[Array, Array]:
-    """Return the unknowns of least excess over cuts, and the shares of the cuts in it."""
+def program(cuts: Cuts, most: Array) -> tuple[Array, Array] | None:
+    """Return the unknowns of least excess over cuts, and the shares of the cuts in it; None where the solver fails."""
     count, size = cuts.matrix.shape
     scaled = np.concatenate([cuts.matrix * most, -np.ones((count, 1))], axis=1)
     cost = np.zeros(size + 1)
     cost[-1] = 1.0
     found = linprog(cost, A_ub=scaled, b_ub=-cuts.level, bounds=[(-1, 1)] * size + [(0, None)], method="highs")
+    if not found.success:
+        return None
     shares = np.maximum(-found.ineqlin.marginals, 0.0)
     return found.x[:-1] * most, shares / max(shares.sum(), 1.0)
 

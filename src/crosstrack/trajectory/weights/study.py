@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
+from crosstrack.trajectory.arguments import as_numbers
 from crosstrack.trajectory.certified.extremes import largest_norm
 from crosstrack.trajectory.certified.polyline_distance import largest_deviation
 from crosstrack.trajectory.guide import Guide, chord
@@ -55,6 +56,7 @@ class Study:
     """m, half width of the boxes about the inner waypoints; None where they are met"""
 
 
+@reported_by("study")
 def study(
     waypoints: ArrayLike,
     times: ArrayLike,
@@ -76,15 +78,16 @@ def study(
         InputError: all that is wrong with the arguments.
 
     Example:
-        >>> from crosstrack.trajectory.weights.study import study
+        >>> from crosstrack.trajectory import study
         >>> found = study([[0, 0], [1, 2], [3, 2]], [0, 1, 2], weights=[0, 100])
         >>> found.rows[0].max_deviation > found.rows[1].max_deviation
         True
     """
-    if not len(weights):
-        raise InputError("study", [Problem("weights", "must be at least one")])
+    given = as_numbers(weights)
+    if given.ndim != 1 or not given.size or not ((given >= 0) & np.isfinite(given)).all():
+        raise InputError("study", [Problem("weights", f"must be numbers of 0 or more, found {weights!r:.60}")])
     rows = []
-    for weight in sorted(float(each) for each in weights):
+    for weight in sorted(given.tolist()):
         curve = minimum(waypoints, times, derivative, guide=weight, corridor=corridor)
         rows.append(measured(curve, np.asarray(waypoints, float), weight, derivative))
     return Study(np.array(waypoints, float), np.array(times, float), derivative, tuple(rows), corridor)
