@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crosstrack.plan.cadence import MOST, STEP, evenly, spread
+from crosstrack.plan.cadence import MOST, MOST_EACH, STEP, evenly, spread
 from crosstrack.trajectory.limits import MotionLimits
 
 LIMITS = MotionLimits(speed=5.0, speed_vertical=2.0, acceleration=4.0, acceleration_vertical=2.0)
@@ -39,10 +39,11 @@ def test_a_corner_is_passed_as_fast_as_its_arc_allows() -> None:
 @given(seed=st.integers(0, 10_000), count=st.integers(2, 30), scale=st.sampled_from([0.01, 1.0, 1000.0]))
 def test_knots_lie_on_the_legs_in_order_and_keep_the_speed(seed: int, count: int, scale: float) -> None:
     route = scale * np.random.default_rng(seed).normal(size=(count, 3))
-    for knots, times in (spread(route, 0.3, LIMITS), evenly(route, np.linspace(0.1, 9, count - 1))):
+    for knots, times in (spread(route, 0.3, LIMITS), evenly(route, np.linspace(0.1, 9, count - 1), 0.3, LIMITS)):
         assert (np.diff(times) > 0).all()
-        assert len(times) <= MOST + count + 1
-        assert np.diff(times).max() <= max(STEP, times[-1] / MOST) + 1e-9
+        most = MOST + MOST_EACH * (count - 1)
+        assert len(times) <= most + count + 1
+        assert np.diff(times).max() <= max(STEP, times[-1] / most) + 1e-9
         away = np.abs(knots[:, None] - route).max(axis=2).min(axis=1)
         at = np.flatnonzero(away < 1e-12 * scale)
         assert len(at) == count
@@ -55,3 +56,11 @@ def test_knots_lie_on_the_legs_in_order_and_keep_the_speed(seed: int, count: int
     knots, times = spread(route, 0.3, LIMITS)
     speeds = np.linalg.norm(np.diff(knots, axis=0), axis=1) / np.diff(times)
     assert speeds.max() <= 5 * (1 + 1e-9)
+
+
+def test_a_millimetre_between_long_legs_takes_no_time_of_its_own() -> None:
+    route = np.array([[0.0, 0, 5], [0.001, 0, 5], [100, 0, 5], [100.001, 0.001, 5], [200, 50, 5]])
+    _, times = spread(route, 0.3, LIMITS)
+    assert np.diff(times).min() >= 0.3 / 5 / 2 - 1e-12
+    _, plain = spread(np.array([[0.0, 0, 5], [100, 0, 5], [200, 50, 5]]), 0.3, LIMITS)
+    assert times[-1] <= plain[-1] + 3

@@ -8,6 +8,7 @@ from curves import SHIFTS, exact, norm_squared, random_curve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crosstrack.errors import InputError
 from crosstrack.trajectory.certified.extremes import axis_range, halfspace_peaks, largest_norm, norm_peaks
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
@@ -133,3 +134,12 @@ def test_half_spaces_tell_how_far_outside_the_worst_point_is() -> None:
     found = halfspace_peaks(curve, 0, np.array([0, 0]), np.array([[1.0, 0.0], [0.0, -1.0]]), np.array([0.75, 0.0]))
     np.testing.assert_allclose(found.bound, [0.25, -1.0], atol=1e-8)
     assert found.time[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("axes", [[2], [-1], [], [0.5]])
+def test_axes_and_orders_that_a_curve_does_not_have_are_named(axes: list[int]) -> None:
+    curve = PiecewisePolynomial(np.array([2.0]), np.ones((1, 3, 2)))
+    with pytest.raises(InputError, match=r"largest_norm: 2 problems\n  order: .*\n  axes: must be from 0 to 1"):
+        largest_norm(curve, -1, axes)
+    with pytest.raises(InputError, match="axis_range: 1 problem"):
+        axis_range(curve, -1)

@@ -206,6 +206,35 @@ def test_a_loop_has_no_seam(seed: int, s: int, guide: float | None) -> None:
     np.testing.assert_allclose(turned(after), curve(times[2] + after), atol=1e-6)
 
 
+@pytest.mark.parametrize("s", [2, 3, 4])
+def test_a_loop_of_uneven_durations_is_the_same_wherever_it_begins(s: int) -> None:
+    points, durations = np.array([[0.0, 0], [1, 1], [2, 0]]), np.array([1e-3, 1000.0, 1.0])
+    costs = []
+    for k in range(3):
+        there = np.roll(points, -k, axis=0)
+        times = np.cumsum(np.r_[0.0, np.roll(durations, -k)])
+        costs.append(minimum(np.vstack([there, there[:1]]), times, s, periodic=True).cost(s))
+    np.testing.assert_allclose(costs, min(costs), rtol=1e-2)
+
+
+@given(SEEDS, ORDERS, st.sets(st.integers(0, 2), min_size=1))
+def test_no_other_ends_of_a_guided_loop_cost_less(seed: int, s: int, orders: set[int]) -> None:
+    waypoints, times = problem(seed)
+    waypoints[-1] = waypoints[0]
+    rng = np.random.default_rng(seed)
+    line = chord(waypoints + rng.normal(size=waypoints.shape), np.diff(times))
+    guides = [Guide(line.derivative(k), rng.uniform(0, 50, 6) * rng.integers(0, 2, 6), k) for k in orders]
+
+    def cost(curve: PiecewisePolynomial) -> float:
+        return curve.cost(s) + sum(guide.error(curve) for guide in guides)
+
+    loop = minimum(waypoints, times, s, periodic=True, guide=guides)
+    ends = np.array([loop(0.0, k) for k in range(1, s)])
+    for _ in range(4):
+        other = ends + 1e-2 * rng.normal(size=ends.shape) * (1.0 + np.abs(ends))
+        assert cost(minimum(waypoints, times, s, start=other, end=other, guide=guides)) > cost(loop)
+
+
 @given(SEEDS, ORDERS)
 def test_it_does_not_matter_where_in_the_world_or_when(seed: int, s: int) -> None:
     waypoints, times = problem(seed)
@@ -315,7 +344,7 @@ def test_everything_wrong_is_said_at_once() -> None:
         (np.zeros((2, 3, 1)), np.zeros((2, 3)), "times[0, 1]: must be after 0 s, found 0 s"),
         ([[[0, 0], [1]]], [[0, 1]], "waypoints: must have the shape (m, n, d)"),
         (np.zeros((1, 2, 1)), "soon", "times: must have the shape (1, 2), found ()"),
-        (np.ones((1, 3, 1)) * [[0.0], [1.0], [2.0]], [[0, 1e-300, 1]], "times: are too short or too long"),
+        (np.ones((1, 3, 1)) * [[0.0], [1.0], [2.0]], [[0, 1e-300, 1]], "times[0]: are too short or too long"),
     ],
 )
 def test_bad_batches_are_named(waypoints: Any, times: Any, said: str) -> None:

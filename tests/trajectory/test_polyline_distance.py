@@ -9,6 +9,7 @@ from curves import SHIFTS, exact, gap_squared, random_curve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crosstrack.errors import InputError
 from crosstrack.trajectory.certified.polyline_distance import deviation_peaks, largest_deviation
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
@@ -127,3 +128,10 @@ def test_long_routes_are_searched_as_their_nearest_legs_tell() -> None:
 def test_without_numbers_nothing_is_certified() -> None:
     curve = parabola(np.nan)
     assert largest_deviation(curve, np.zeros((2, 2))).value == np.inf
+
+
+@pytest.mark.parametrize("points", [np.zeros((3, 3)), np.zeros((0, 2)), np.zeros(2), np.full((2, 2), np.nan)])
+def test_polylines_that_are_none_are_named(points: Array) -> None:
+    curve = PiecewisePolynomial(np.array([2.0]), np.ones((1, 3, 2)))
+    with pytest.raises(InputError, match="largest_deviation: 1 problem\n  points: must"):
+        largest_deviation(curve, points)

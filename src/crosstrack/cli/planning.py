@@ -18,9 +18,15 @@ JSON, CSV, CERTIFICATE, PAGE = "trajectory.json", "trajectory.csv", "certificate
 
 
 def from_file(mission: Path, trajectory: Path | None) -> list[str]:
-    """Return the settings with which a mission takes its trajectory from a file."""
+    """Return the settings with which a mission takes its trajectory from a file.
+
+    Raises:
+        InputError: there is no such file.
+    """
     if trajectory is None:
         return []
+    if not trajectory.is_file():
+        raise InputError("--from", [Problem(str(trajectory), "no such file")])
     relative = os.path.relpath(trajectory, mission.parent)
     return ["planner.kind=file", f"planner.file={json.dumps(relative)}"]
 

@@ -9,8 +9,8 @@ from crosstrack.types import Array
 
 STEP = 0.5
 """s, at most between knots"""
-MOST = 600
-"""knots over all legs together, besides the waypoints"""
+MOST, MOST_EACH = 600, 12
+"""knots over all legs together, besides the waypoints, and as many more for each leg"""
 SHARPEST = 1e-3
 """cosine of half the turn, below which a corner counts as a turn on the spot"""
 
@@ -42,20 +42,34 @@ def spread(waypoints: Array, radius: float, limits: MotionLimits) -> tuple[Array
     down = np.clip(t - rise[leg] - cruise[leg], 0.0, fall[leg])
     flown = v0[leg] * up + strongest[leg] * up**2 / 2 + peak[leg] * (level + down) - strongest[leg] * down**2 / 2
     knots = waypoints[leg] + (flown / lengths[leg])[:, None] * steps[leg]
-    return np.concatenate([knots, waypoints[-1:]]), np.concatenate([starts[leg] + t, starts[-1:]])
+    return np.concatenate([knots, waypoints[-1:]]), paced(starts, leg, t, radius / float(fastest.max()))
 
 
-def evenly(waypoints: Array, durations: Array) -> tuple[Array, Array]:
+def evenly(waypoints: Array, durations: Array, radius: float, limits: MotionLimits) -> tuple[Array, Array]:
     """Return knots (n, 3) m on the legs and their times (n,) s, at constant speed on each, for durations (N,) s."""
     starts, leg, t = cut(durations)
-    knots = waypoints[leg] + (t / durations[leg])[:, None] * np.diff(waypoints, axis=0)[leg]
-    return np.concatenate([knots, waypoints[-1:]]), np.concatenate([starts[leg] + t, starts[-1:]])
+    steps = np.diff(waypoints, axis=0)
+    knots = waypoints[leg] + (t / durations[leg])[:, None] * steps[leg]
+    fastest = along(steps, np.linalg.norm(steps, axis=1), limits.speed, limits.speed_vertical)
+    return np.concatenate([knots, waypoints[-1:]]), paced(starts, leg, t, radius / float(fastest.max()))
+
+
+def paced(starts: Array, leg: NDArray[np.intp], t: Array, passing: float) -> Array:
+    """Return the times (n,) s of knots a time `t` into their leg, at least half of `passing` (s) apart.
+
+    A piece may overlap its leg by the radius of the corridor, so that a leg much shorter than it needs no time of its
+    own; pieces of very different duration would cost the solver its digits.
+    """
+    times = np.append(starts[leg] + t, starts[-1])
+    steps = np.maximum(np.diff(times), min(passing, STEP) / 2)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def cut(durations: Array) -> tuple[Array, NDArray[np.intp], Array]:
     """Return when each leg starts and the last ends, and of every knot but the last its leg and the time within it."""
     starts = np.concatenate([[0.0], np.cumsum(durations)])
-    parts = np.maximum(np.ceil(durations / max(STEP, starts[-1] / MOST) - 1e-9).astype(int), 1)
+    step = max(STEP, starts[-1] / (MOST + MOST_EACH * len(durations)))
+    parts = np.maximum(np.ceil(durations / step - 1e-9).astype(int), 1)
     leg = np.repeat(np.arange(len(parts)), parts)
     share = (np.arange(len(leg)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[leg]
     return starts, leg, share * durations[leg]

@@ -84,7 +84,7 @@ class Minimum:
             knots, times = spread(waypoints, radius, limits)
         else:
             durations = DURATIONS[self.times](waypoints, limits, self.derivative)
-            knots, times = evenly(waypoints, durations)
+            knots, times = evenly(waypoints, durations, radius, limits)
         weight = self.guide if isinstance(self.guide, int | float) and self.guide > 0 else None
         return solve(knots, times, self.derivative, guide=weight, corridor=Tube(radius)).curve
 

@@ -54,7 +54,11 @@ def minimum_batch(
         bad |= _solve(np.diff(moments, axis=1), knots[..., first : first + COLUMNS], out[..., first : first + COLUMNS])
     out[:, :, 0] += points[:, :1]
     for k in np.flatnonzero(bad):
-        single = minimum(points[k], moments[k], derivative, start=ends[k, 0], end=ends[k, 1])
+        try:
+            single = minimum(points[k], moments[k], derivative, start=ends[k, 0], end=ends[k, 1])
+        except InputError as error:
+            problems = [Problem(f"{problem.place}[{k}]", problem.message) for problem in error.problems]
+            raise InputError("minimum_batch", problems) from None
         out[k] = single.coefficients
     return out
 

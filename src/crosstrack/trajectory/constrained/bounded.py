@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosstrack.errors import Infeasible, InputError, Problem
+from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.conditions import Conditions, conditions
 from crosstrack.trajectory.constrained.cones import Flags, depths
 from crosstrack.trajectory.constrained.contradictions import contradictions, reasons
@@ -109,9 +110,12 @@ def _checked(
     found: list[Problem] = []
     if isinstance(corridor, Corridor):
         found += corridor.faults(points)
-    elif corridor is not None and not 0 < corridor < np.inf:
+    elif corridor is not None and not (is_number(corridor) and 0 < corridor < np.inf):
         found.append(Problem("corridor", f"must be a number above 0, or a corridor, found {corridor!r:.60}"))
-    found += limits.faults(points.shape[1]) if limits is not None else []
+    if limits is not None and not isinstance(limits, MotionLimits):
+        found.append(Problem("limits", f"must be MotionLimits, found {limits!r:.60}"))
+    elif limits is not None:
+        found += limits.faults(points.shape[1])
     kept = np.zeros(len(points), bool) if through is None else np.asarray(through)
     if kept.shape != (len(points),) or kept.dtype != bool:
         message = f"must be {len(points)} booleans, found {kept.dtype} of shape {kept.shape}"

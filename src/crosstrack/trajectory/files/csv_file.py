@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crosstrack.errors import InputError, Problem
-from crosstrack.trajectory.files.sound import MOST_PIECES, TOLD, curve_of
+from crosstrack.trajectory.files.sound import MOST_PIECES, TOLD, curve_of, in_space
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
@@ -28,11 +28,14 @@ def to_csv(curve: PiecewisePolynomial) -> str:
     """Write a trajectory as CSV; the yaw is zero.
 
     Raises:
-        InputError: a degree above 7, which the layout does not have.
+        InputError: a degree above 7, which the layout does not have, or a curve that is not in space.
     """
     pieces, terms, dimensions = curve.coefficients.shape
+    found = in_space(curve)
     if terms > TERMS:
-        raise InputError("CSV", [Problem("degree", f"must be at most {TERMS - 1}, found {terms - 1}")])
+        found.append(Problem("degree", f"must be at most {TERMS - 1}, found {terms - 1}"))
+    if found:
+        raise InputError("to_csv", found)
     table = np.zeros((pieces, 4, TERMS))
     table[:, :dimensions, :terms] = curve.coefficients.transpose(0, 2, 1)
     rows = np.column_stack([curve.durations, table.reshape(pieces, -1)]).tolist()

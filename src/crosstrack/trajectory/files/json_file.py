@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crosstrack.errors import InputError, Problem
-from crosstrack.trajectory.files.sound import MOST_DEGREE, MOST_PIECES, TOLD, curve_of
+from crosstrack.trajectory.files.sound import MOST_DEGREE, MOST_PIECES, TOLD, curve_of, in_space
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 
 HEAD = {
@@ -19,7 +19,13 @@ KEYS = (*HEAD, "durations", "coefficients")
 
 
 def to_json(curve: PiecewisePolynomial) -> str:
-    """Write a trajectory as JSON, a line for every piece; reading gives the same bits."""
+    """Write a trajectory as JSON, a line for every piece; reading gives the same bits.
+
+    Raises:
+        InputError: the curve is not in space.
+    """
+    if found := in_space(curve):
+        raise InputError("to_json", found)
     head = json.dumps(HEAD, indent=2).removesuffix("\n}")
     durations = json.dumps(curve.durations.tolist())
     pieces = ",\n    ".join(map(json.dumps, curve.coefficients.tolist()))

@@ -66,6 +66,12 @@ def jumps(durations: Array, coefficients: Array) -> list[Fault]:
     ]
 
 
+def in_space(curve: PiecewisePolynomial) -> list[Problem]:
+    """Return what keeps a curve from being written: other dimensions than x, y, z."""
+    dimensions = curve.coefficients.shape[2]
+    return [] if dimensions == 3 else [Problem("curve", f"must have 3 dimensions, found {dimensions}")]
+
+
 def powers_of(durations: Array, coefficients: Array) -> Array:
     """Return the powers (pieces, powers, 1) of the durations that the coefficients are multiplied with at the end."""
     powers: Array = durations[:, None, None] ** np.arange(coefficients.shape[1])[:, None]

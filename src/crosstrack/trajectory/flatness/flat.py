@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.protocols import Trajectory
 from crosstrack.trajectory.flatness.yaw import EAST, Yaw
 from crosstrack.types import Array, Vector
@@ -52,6 +52,7 @@ class Flat:
         return np.asarray(2 * np.arcsin(np.minimum(1.0, np.hypot(self.attitude[:, 0], self.attitude[:, 1]))))
 
 
+@reported_by("flatten")
 def flatten(
     trajectory: Trajectory,
     times: Array,
@@ -69,9 +70,13 @@ def flatten(
         wind: m/s, world, steady
 
     Raises:
-        InputError: at some time the thrust vanishes, or points sideways so that yaw does not fix the attitude.
+        InputError: times or trajectory have another shape than that; or at some time the thrust vanishes, or points
+            sideways so that yaw does not fix the attitude.
     """
     times = np.asarray(times, float)
+    if times.ndim != 1 or trajectory(0.0).shape != (3,):
+        shapes = f"found {trajectory(0.0).shape} at times {times.shape}"
+        raise InputError("flatten", [Problem("trajectory", f"must be (3,) at times (n,), {shapes}")])
     velocity, acceleration, jerk, snap = (trajectory(times, order) for order in (1, 2, 3, 4))
     angle, spin, spin_up = (yaw(times, order) for order in (0, 1, 2))
     airspeed, force = velocity - np.array(wind), acceleration + np.array([0.0, 0.0, GRAVITY])
