@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from crosstrack.errors import InputError
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
@@ -57,3 +58,8 @@ def test_cost_is_the_integral_of_the_square(order: int) -> None:
 
     wanted = sum(quad(square, a, b - 1e-12)[0] for a, b in zip(curve.knots, curve.knots[1:], strict=False))
     assert curve.cost(order) == pytest.approx(wanted, rel=1e-8, abs=1e-12)
+
+
+def test_a_negative_order_is_an_error() -> None:
+    with pytest.raises(InputError, match="order: must be 0 or more, found -1"):
+        random_curve(1)(0.0, -1)

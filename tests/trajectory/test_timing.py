@@ -1,3 +1,5 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,6 +9,7 @@ from crosstrack.errors import InputError
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
+from crosstrack.trajectory.times.fastest import fastest
 from crosstrack.trajectory.times.timing import constant_speed, rescaled, square_root, trapezoid
 from crosstrack.types import Array
 
@@ -146,3 +149,16 @@ def test_whole_numbers_are_limits_too() -> None:
     )
     np.testing.assert_array_equal(whole, same)
     assert np.isfinite(whole).all()
+
+
+@pytest.mark.parametrize("limits", [None, 3.0, {"speed": 3}])
+def test_limits_that_are_none_are_named(limits: Any) -> None:
+    waypoints = [[0, 0, 0], [10, 0, 1]]
+    curve = minimum(waypoints, [0, 3])
+    for call in (
+        lambda: trapezoid(waypoints, limits),
+        lambda: fastest(waypoints, limits),
+        lambda: rescaled(curve, limits),
+    ):
+        with pytest.raises(InputError, match="limits: must be MotionLimits"):
+            call()

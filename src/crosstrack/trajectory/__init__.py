@@ -18,12 +18,20 @@ if TYPE_CHECKING:
     from crosstrack.trajectory.constrained.corridor import Polytopes as Polytopes
     from crosstrack.trajectory.constrained.corridor import Tube as Tube
     from crosstrack.trajectory.constrained.corridor import subdivide as subdivide
+    from crosstrack.trajectory.flatness.ability import Ability as Ability
+    from crosstrack.trajectory.flatness.ability import demands as demands
     from crosstrack.trajectory.flatness.flat import flatten as flatten
+    from crosstrack.trajectory.flatness.yaw import Faced as Faced
+    from crosstrack.trajectory.flatness.yaw import Fixed as Fixed
+    from crosstrack.trajectory.flatness.yaw import along_velocity as along_velocity
+    from crosstrack.trajectory.flatness.yaw import towards as towards
     from crosstrack.trajectory.guide import Guide as Guide
     from crosstrack.trajectory.guide import chord as chord
     from crosstrack.trajectory.limits import MotionLimits as MotionLimits
     from crosstrack.trajectory.minimum_derivative import minimum as minimum
     from crosstrack.trajectory.polynomial import PiecewisePolynomial as PiecewisePolynomial
+    from crosstrack.trajectory.target import Pursuit as Pursuit
+    from crosstrack.trajectory.target import TargetPlan as TargetPlan
     from crosstrack.trajectory.target import track_target as track_target
     from crosstrack.trajectory.times.fastest import fastest as fastest
     from crosstrack.trajectory.times.optimal import least_effort as least_effort
@@ -36,19 +44,26 @@ if TYPE_CHECKING:
     from crosstrack.trajectory.weights.study import study as study
 
 _PUBLIC = {
+    "Ability": "flatness.ability",
     "Boxes": "constrained.corridor",
     "Certificate": "certified.certificate",
+    "Faced": "flatness.yaw",
+    "Fixed": "flatness.yaw",
     "Guide": "guide",
     "MotionLimits": "limits",
     "PiecewisePolynomial": "polynomial",
     "Polytopes": "constrained.corridor",
+    "Pursuit": "target",
     "Solution": "constrained.bounded",
+    "TargetPlan": "target",
     "Tube": "constrained.corridor",
+    "along_velocity": "flatness.yaw",
     "axis_range": "certified.extremes",
     "certify": "certified.certificate",
     "choose_weights": "weights.choose",
     "chord": "guide",
     "constant_speed": "times.timing",
+    "demands": "flatness.ability",
     "fastest": "times.fastest",
     "flatten": "flatness.flat",
     "largest_deviation": "certified.polyline_distance",
@@ -63,6 +78,7 @@ _PUBLIC = {
     "square_root": "times.timing",
     "study": "weights.study",
     "subdivide": "constrained.corridor",
+    "towards": "flatness.yaw",
     "track_target": "target",
     "trapezoid": "times.timing",
 }

@@ -55,15 +55,18 @@ class MotionLimits:
             Bound(name, order, axes, most) for name, order, axes in rows if (most := getattr(self, name)) is not None
         ]
 
-    def faults(self, dimensions: int) -> list[Problem]:
-        """Return what is wrong with them for curves of a dimension."""
-        found = []
-        for field in fields(self):
-            place, value = f"limits.{field.name}", getattr(self, field.name)
-            if value is None:
-                continue
-            if not is_number(value) or not 0 < value < float("inf"):
-                found.append(Problem(place, f"must be above 0 and finite, found {value!r}"))
-            if field.name.endswith("_vertical") and dimensions != 3:
-                found.append(Problem(place, f"is for three dimensions, found {dimensions}"))
-        return found
+
+def limit_faults(limits: object, dimensions: int) -> list[Problem]:
+    """Return what is wrong with limits for curves of a dimension; some have to be given."""
+    if not isinstance(limits, MotionLimits):
+        return [Problem("limits", f"must be MotionLimits, found {limits!r:.60}")]
+    found = []
+    for field in fields(limits):
+        place, value = f"limits.{field.name}", getattr(limits, field.name)
+        if value is None:
+            continue
+        if not is_number(value) or not 0 < value < float("inf"):
+            found.append(Problem(place, f"must be above 0 and finite, found {value!r}"))
+        if field.name.endswith("_vertical") and dimensions != 3:
+            found.append(Problem(place, f"is for three dimensions, found {dimensions}"))
+    return found

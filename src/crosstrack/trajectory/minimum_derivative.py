@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import InputError, Problem
+from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.trajectory.closed_form import closed_form
 from crosstrack.trajectory.conditions import conditions
 from crosstrack.trajectory.constrained.bounded import solve
@@ -17,6 +17,7 @@ WORST = 0.01
 """relative, how far the cost may be above the least within a corridor and limits; 0.001 is aimed at"""
 
 
+@reported_by("minimum")
 def minimum(
     waypoints: ArrayLike,
     times: ArrayLike,

@@ -7,6 +7,7 @@ from math import perm
 import numpy as np
 
 from crosstrack.compiled import compiled
+from crosstrack.errors import InputError, Problem
 from crosstrack.types import Array
 
 
@@ -39,7 +40,12 @@ class PiecewisePolynomial:
 
         Returns:
             shape (..., dimensions). Outside [0, duration] the ends answer; at a knot the later piece does.
+
+        Raises:
+            InputError: the order is negative.
         """
+        if order < 0:
+            raise InputError("curve", [Problem("order", f"must be 0 or more, found {order}")])
         t = np.asarray(t, float)
         out = np.empty((t.size, self.coefficients.shape[2]))
         evaluate(t.ravel(), order, self.knots, self.coefficients, out)

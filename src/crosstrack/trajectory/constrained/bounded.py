@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosstrack.errors import Infeasible, InputError, Problem
+from crosstrack.errors import Infeasible, InputError, Problem, reported_by
 from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.conditions import Conditions, conditions
 from crosstrack.trajectory.constrained.cones import Flags, depths
@@ -16,7 +16,7 @@ from crosstrack.trajectory.constrained.exchange import Exchange, Found
 from crosstrack.trajectory.constrained.families import Family, corridor_family, limit_family
 from crosstrack.trajectory.constrained.spans import Spans
 from crosstrack.trajectory.guide import Guide, chord
-from crosstrack.trajectory.limits import MotionLimits
+from crosstrack.trajectory.limits import MotionLimits, limit_faults
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 
 TIGHTNESS = 1e-3
@@ -48,6 +48,7 @@ class Solution:
     """largest jump of a derivative below s at a knot, relative to its largest value"""
 
 
+@reported_by("solve")
 def solve(
     waypoints: ArrayLike,
     times: ArrayLike,
@@ -112,10 +113,7 @@ def _checked(
         found += corridor.faults(points)
     elif corridor is not None and not (is_number(corridor) and 0 < corridor < np.inf):
         found.append(Problem("corridor", f"must be a number above 0, or a corridor, found {corridor!r:.60}"))
-    if limits is not None and not isinstance(limits, MotionLimits):
-        found.append(Problem("limits", f"must be MotionLimits, found {limits!r:.60}"))
-    elif limits is not None:
-        found += limits.faults(points.shape[1])
+    found += limit_faults(limits, points.shape[1]) if limits is not None else []
     kept = np.zeros(len(points), bool) if through is None else np.asarray(through)
     if kept.shape != (len(points),) or kept.dtype != bool:
         message = f"must be {len(points)} booleans, found {kept.dtype} of shape {kept.shape}"

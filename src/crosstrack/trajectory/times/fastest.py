@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.trajectory.closed_form import closed_form
 from crosstrack.trajectory.conditions import Conditions, conditions, order_faults
-from crosstrack.trajectory.limits import Bound, MotionLimits
+from crosstrack.trajectory.limits import Bound, MotionLimits, limit_faults
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.tightness import stretched_time
 from crosstrack.trajectory.times.timing import legs, rescaled, square_root
@@ -62,8 +62,8 @@ def fastest(waypoints: ArrayLike, limits: MotionLimits, derivative: int = 3) -> 
     found = order_faults(derivative)
     steps = legs(waypoints, found)
     if steps.size:
-        found += limits.faults(steps.shape[1])
-        if not limits.bounds(steps.shape[1]):
+        found += limit_faults(limits, steps.shape[1])
+        if not found and not limits.bounds(steps.shape[1]):
             found.append(Problem("limits", "must hold at least one limit"))
     if found:
         raise InputError("fastest", found)

@@ -9,7 +9,7 @@ from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.certified.extremes import largest_norm
 from crosstrack.trajectory.conditions import numbers
-from crosstrack.trajectory.limits import VERTICAL, MotionLimits
+from crosstrack.trajectory.limits import VERTICAL, MotionLimits, limit_faults
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array
 
@@ -82,7 +82,7 @@ def rescaled(curve: PiecewisePolynomial, limits: MotionLimits) -> PiecewisePolyn
         InputError: no limit is given, one is not positive, or the curve moves at its ends or not at all.
     """
     dimensions = curve.coefficients.shape[2]
-    found = limits.faults(dimensions)
+    found = limit_faults(limits, dimensions)
     if not found and not limits.bounds(dimensions):
         found.append(Problem("limits", "must hold at least one limit"))
     found += _moving(curve)
@@ -138,8 +138,9 @@ def _allocated(waypoints: ArrayLike, limits: MotionLimits, needed: tuple[str, ..
     """Return the time on every leg from rest to rest under the limits that are needed and their vertical ones."""
     found: list[Problem] = []
     steps = legs(waypoints, found)
-    found += limits.faults(steps.shape[1]) if steps.size else []
-    found += [Problem(f"limits.{name}", "must be given") for name in needed if getattr(limits, name) is None]
+    found += limit_faults(limits, steps.shape[1] if steps.size else 3)
+    if isinstance(limits, MotionLimits):
+        found += [Problem(f"limits.{name}", "must be given") for name in needed if getattr(limits, name) is None]
     found += total_fault(total)
     if found:
         raise InputError("times", found)

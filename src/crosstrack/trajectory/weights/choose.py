@@ -21,7 +21,7 @@ from crosstrack.trajectory import hermite
 from crosstrack.trajectory.arguments import is_number
 from crosstrack.trajectory.conditions import conditions
 from crosstrack.trajectory.guide import Guide, chord
-from crosstrack.trajectory.limits import Bound, MotionLimits
+from crosstrack.trajectory.limits import Bound, MotionLimits, limit_faults
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.weights.excess import deviation
 from crosstrack.trajectory.weights.reach import Reach, least_excess
@@ -86,7 +86,7 @@ def choose_weights(
     """
     asked = conditions(waypoints, times, derivative, start, end, None, False, 0.0)
     points = np.array(waypoints, float)
-    found = limits.faults(points.shape[1]) if limits else []
+    found = limit_faults(limits, points.shape[1]) if limits is not None else []
     if not is_number(max_deviation) or not 0 < max_deviation < np.inf:
         found.append(Problem("max_deviation", f"must be a length above 0, in metres, found {max_deviation!r:.60}"))
     if found:
