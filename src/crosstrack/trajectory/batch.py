@@ -11,6 +11,9 @@ from crosstrack.trajectory.conditions import order_faults
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.types import Array
 
+TOGETHER = 512
+"""trajectories that are solved for in one call, few enough to stay in the processor's cache"""
+
 
 def minimum_batch(
     waypoints: ArrayLike,
@@ -41,18 +44,15 @@ def minimum_batch(
     if found:
         raise InputError("minimum_batch", found)
     count, length, dimensions = points.shape
-    knots = np.full((count, length, derivative, dimensions), np.nan)
-    knots[:, :, 0] = points - points[:, :1]
-    for name, value, knot in (("start", start, knots[:, 0, 1:]), ("end", end, knots[:, -1, 1:])):
-        found += _fill(name, value, knot)
+    ends = np.zeros((count, 2, derivative - 1, dimensions))
+    found += [*_fill("start", start, ends[:, 0]), *_fill("end", end, ends[:, 1])]
     if found:
         raise InputError("minimum_batch", found)
-    ends = knots[:, [0, -1], 1:].copy()
     out = np.empty((count, length - 1, 2 * derivative, dimensions))
     bad = np.zeros(count, dtype=bool)
-    for first in range(0, dimensions, COLUMNS):
-        bad |= _solve(np.diff(moments, axis=1), knots[..., first : first + COLUMNS], out[..., first : first + COLUMNS])
-    out[:, :, 0] += points[:, :1]
+    for first in range(0, count, TOGETHER):
+        part = slice(first, first + TOGETHER)
+        bad[part] = _solve(points[part], np.diff(moments[part], axis=1), ends[part], out[part])
     for k in np.flatnonzero(bad):
         try:
             single = minimum(points[k], moments[k], derivative, start=ends[k, 0], end=ends[k, 1])
@@ -63,15 +63,21 @@ def minimum_batch(
     return out
 
 
-def _solve(durations: Array, knots: Array, out: Array) -> NDArray[np.bool_]:
-    """Fill in the coefficients of at most COLUMNS axes; return which (m,) have lost too many digits or all."""
-    count, segments, terms, width = out.shape
-    few = np.zeros((count * (segments + 1), terms // 2, COLUMNS))
-    few[:, :, :width] = knots.reshape(-1, terms // 2, width)
-    coefficients, least = np.empty((count * segments, terms, COLUMNS)), np.empty(count)
-    nothing = np.empty((0, GUIDES)), np.empty((0, terms, COLUMNS))
-    kernel(terms // 2)(durations.ravel(), few, *nothing, coefficients, least)
-    out[:] = coefficients[:, :, :width].reshape(out.shape)
+def _solve(points: Array, durations: Array, ends: Array, out: Array) -> NDArray[np.bool_]:
+    """Fill in the coefficients of some trajectories; return which (m,) have lost too many digits or all."""
+    count, length, dimensions = points.shape
+    s, nothing = out.shape[2] // 2, (np.empty((0, GUIDES)), np.empty((0, out.shape[2], COLUMNS)))
+    coefficients, least = np.empty((count * (length - 1), 2 * s, COLUMNS)), np.empty(count)
+    for first in range(0, dimensions, COLUMNS):
+        axes = slice(first, min(first + COLUMNS, dimensions))
+        width = axes.stop - first
+        knots = np.full((count, length, s, COLUMNS), np.nan)
+        knots[:, :, 0, :width] = points[:, :, axes] - points[:, :1, axes]
+        knots[:, [0, -1], 1:, :width] = ends[..., axes]
+        knots[..., width:] = 0.0
+        kernel(s)(durations.ravel(), knots.reshape(-1, s, COLUMNS), *nothing, coefficients, least)
+        out[..., axes] = coefficients[:, :, :width].reshape(*out.shape[:3], width)
+    out[:, :, 0] += points[:, :1]
     return np.asarray(~(least > LOST) | ~np.isfinite(out[:, :, -1]).all(axis=(1, 2)))
 
 
@@ -96,7 +102,6 @@ def _faults(points: Array, moments: Array, derivative: int) -> list[Problem]:
 def _fill(name: str, value: ArrayLike | None, knot: Array) -> list[Problem]:
     """Write the derivatives given at one end into (m, s - 1, d)."""
     count, most, dimensions = knot.shape
-    knot[:] = 0.0
     if value is None:
         return []
     rows = as_numbers(value)
