@@ -62,9 +62,9 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
     return CODES.get(flight.outcome, codes.NOT_ARRIVED)
 
 
-def compiled_before() -> bool:
-    """Return whether there is machine code from an earlier run."""
-    return any(cache_folder().rglob("*.nbc"))
+def compiled_before(module: str = "") -> bool:
+    """Return whether there is machine code from an earlier run, of a module or at all."""
+    return any(cache_folder().rglob(f"{module}*.nbc"))
 
 
 def notes(mission: missions.Mission, plan: Plan) -> list[str]:

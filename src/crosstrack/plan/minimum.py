@@ -35,7 +35,8 @@ class Minimum:
     guide: Literal["auto"] | NonNegative | None = None
     """weight of the distance to the legs, 0 for a free trajectory; auto: what keeps it in the corridor without one"""
     times: Literal["constant", "trapezoid", "square_root", "optimal", "fastest"] = "trapezoid"
-    """how the time is shared out between the legs: optimal for the least effort, fastest for the least time"""
+    """how the time is shared out between the legs: optimal for the least effort, fastest for the least time through
+    the waypoints; in a corridor the trapezoid, which slows for its corners, takes the least"""
 
     yaw: Look = "fixed"
     """fixed: as at the start; velocity: where it flies"""
