@@ -11,10 +11,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from crosstrack.sim.airframe import GENERIC, GRAVITY
+from crosstrack.sim.airframe import GENERIC
 from crosstrack.sim.fleet import MOTION, fleet, place
 from crosstrack.sim.kernel import STEP, fly
-from crosstrack.types import Air, Limits
+from crosstrack.types import GRAVITY, Air, Limits
 
 RATE = 50
 """Hz, of the commands"""

@@ -12,9 +12,9 @@ import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
 BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy"}
-ROLES = {"world", "path", "trajectory", "plan", "follow", "avoid", "sim", "vehicles"}
-EDGES = {("vehicles", "sim"), ("follow", "path"), ("trajectory", "path"), ("plan", "trajectory")}
-ABOVE = ["flight", "mission", "show", "cli"]
+ROLES = {"world", "path", "trajectory", "plan", "follow", "track", "avoid", "sim", "vehicles"}
+EDGES = {("vehicles", "sim"), ("follow", "path"), ("track", "path"), ("trajectory", "path"), ("plan", "trajectory")}
+ABOVE = ["flight", "mission", "campaign", "show", "cli"]
 """each may import all before it, the roles and the base"""
 
 

@@ -1,10 +1,12 @@
 """The seams between the roles. Whatever satisfies one of these plugs in by a line of the registry."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
-from crosstrack.types import Air, Array, Command, Envelope, Limits, Noise, Scan, State, Wind
+import numpy as np
+
+from crosstrack.types import Air, Array, Command, Envelope, Limits, Mismatch, Noise, Scan, State, Wind
 
 
 class Path(Protocol):
@@ -89,6 +91,8 @@ class Course:
     """m, arc length where the flight begins"""
     trajectory: Trajectory | None = None
     """the same as a function of time; None where only the path is planned"""
+    corners: Array = field(default_factory=lambda: np.empty((0, 3)))
+    """(n, 3) m, the waypoints asked for, for laws that fly from one to the next"""
 
 
 @dataclass(frozen=True)
@@ -145,11 +149,16 @@ class Memory(Protocol):
         """(3,) m, the point being chased"""
 
 
+Need = Literal["trajectory", "attitude"]
 M = TypeVar("M", bound=Memory)
 
 
 class Tracker(Protocol[M]):
     """A law that turns where the vehicle is into what to command: parameters inside, memory passed."""
+
+    @property
+    def needs(self) -> Collection[Need]:
+        """What must be there beyond a path: a trajectory to follow, a vehicle that takes attitudes and rates."""
 
     def start(self, course: Course, state: State) -> M:
         """Return the memory to begin with."""
@@ -170,6 +179,9 @@ class Avoider(Protocol):
         """Return the command to fly instead, and the new memory."""
 
 
+EXACT = Mismatch()
+
+
 @dataclass(frozen=True)
 class Scenario:
     """What a vehicle is put into when it is launched."""
@@ -188,6 +200,7 @@ class Scenario:
     period: float
     """s, between two commands"""
     seed: int
+    mismatch: Mismatch = EXACT
 
 
 class Session(Protocol):

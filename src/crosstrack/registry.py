@@ -23,7 +23,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     },
     "tracker": {
         "carrot": "crosstrack.follow.carrot:Carrot",
-        "feed_forward": "crosstrack.follow.feed_forward:FeedForward",
+        "feed_forward": "crosstrack.track.feed_forward:FeedForward",
     },
     "avoider": {},
     "generator": {

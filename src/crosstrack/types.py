@@ -16,6 +16,10 @@ NonNegative = Annotated[float, Ge(0), Lt(math.inf)]
 Vector = tuple[Finite, Finite, Finite]
 
 
+GRAVITY = 9.80665
+"""m/s², standard"""
+
+
 def unset() -> Array:
     """Return a vector of NaN, shape (3,): a component left to the vehicle, or not measured."""
     return np.full(3, np.nan)
@@ -100,6 +104,35 @@ class Scan:
 
 
 @dataclass(frozen=True, slots=True)
+class Model:
+    """What a multirotor is taken to be by a tracker that commands attitude or rates: nominal, not as it is.
+
+    With the specific thrust c along body z, and the airspeed u in body axes, the acceleration in the body is
+
+        c e_z - (d_i + k_i |u_i|) u_i,     i = x, y, z.
+    """
+
+    drag: Array
+    """(3,) 1/s, d, drag of the rotors at hover speed"""
+    drag_quadratic: Array
+    """(3,) 1/m, k, drag of the body"""
+    thrust_min: float
+    """m/s², least collective thrust over mass"""
+    thrust_max: float
+    """m/s², greatest collective thrust over mass that leaves room to roll and pitch"""
+    thrust_factor: float
+    """m/s²/(rad/s)², collective thrust over mass and the sum of the squared rotor speeds"""
+    rate_time: float
+    """s, from a body rate asked for to the body rate flown"""
+    thrust_time: float
+    """s, from a thrust asked for to the thrust flown"""
+    rate_max: float
+    """rad/s, the most that roll and pitch may be asked for"""
+    tilt_max: float
+    """rad, largest angle between body z and world z that the mission allows"""
+
+
+@dataclass(frozen=True, slots=True)
 class Envelope:
     """What a vehicle can do, as the planners and followers may count on it."""
 
@@ -115,6 +148,8 @@ class Envelope:
     """s, from an acceleration asked for to the acceleration flown"""
     stops: bool = True
     """whether it can come to rest"""
+    model: Model | None = None
+    """what to know of it to command attitudes or rates; None where it takes none"""
 
 
 class Outcome(Enum):
@@ -164,8 +199,22 @@ class Noise:
     """m, standard deviation on each axis"""
     velocity: NonNegative = 0.0
     """m/s, standard deviation on each axis"""
+    acceleration: NonNegative = 0.0
+    """m/s², standard deviation on each axis"""
     delay: NonNegative = 0.0
     """s, age of the estimate"""
+
+
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """How the vehicle differs from what planner, tracker and autopilot take it to be: true over nominal."""
+
+    mass: Positive = 1.0
+    """of the mass; the rest is carried at its centre"""
+    drag: NonNegative = 1.0
+    """of the drag of body and rotors"""
+    motor_time: Positive = 1.0
+    """of the time constant of the motors"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,8 @@ from flights import OpenSky, flown, plan_for
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosstrack.follow.carrot import Carrot, turn
+from crosstrack.follow.carrot import Carrot
+from crosstrack.follow.guidance import turn
 from crosstrack.types import Outcome, State, Wind
 from crosstrack.vehicles.point import Point
 

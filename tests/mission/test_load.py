@@ -35,7 +35,8 @@ def test_defaults_are_those_of_the_contract() -> None:
         "limits": {"speed": 12, "acceleration": 8, "tilt_deg": 45},
         "wind": {"mean": [0, 0, 0], "gusts": "none"},
         "air": {"temperature": 288.15, "pressure": 101325},
-        "noise": {"position": 0, "velocity": 0, "delay": 0},
+        "noise": {"position": 0, "velocity": 0, "acceleration": 0, "delay": 0},
+            "mismatch": {"mass": 1, "drag": 1, "motor_time": 1},
         "timing": {"rate": 50, "timeout": 300},
         "seed": 1,
     }  # fmt: skip

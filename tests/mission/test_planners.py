@@ -9,11 +9,11 @@ from jsonschema import Draft202012Validator
 
 from crosstrack.errors import InputError
 from crosstrack.follow.carrot import Carrot
-from crosstrack.follow.feed_forward import FeedForward
 from crosstrack.mission import from_document, loads, schema
 from crosstrack.mission.certified import certified, remarks
 from crosstrack.mission.flying import fly
 from crosstrack.plan.minimum import MinimumJerk, MinimumSnap
+from crosstrack.track.feed_forward import FeedForward
 from crosstrack.trajectory.files.json_file import to_json
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial

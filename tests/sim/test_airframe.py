@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from crosstrack.sim.airframe import AIRFRAMES, CRAZYFLIE, GENERIC, GRAVITY, RACER, Airframe
+from crosstrack.sim.airframe import AIRFRAMES, CRAZYFLIE, GENERIC, RACER, Airframe
+from crosstrack.types import GRAVITY
 
 every = pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=AIRFRAMES)
 

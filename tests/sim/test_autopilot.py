@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from crosstrack.sim.airframe import AIRFRAMES, GENERIC, GRAVITY, RACER, Airframe
+from crosstrack.sim.airframe import AIRFRAMES, GENERIC, RACER, Airframe
 from crosstrack.sim.autopilot import attitude_wanted, thrust_vector
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, fleet, place
 from crosstrack.sim.kernel import STEP, fly
-from crosstrack.types import Air, Array, Limits
+from crosstrack.types import GRAVITY, Air, Array, Limits
 
 every = pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=AIRFRAMES)
 START = np.array([0.0, 0.0, 50.0])

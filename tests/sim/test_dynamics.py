@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from crosstrack.sim.airframe import AIRFRAMES, CRAZYFLIE, GENERIC, GRAVITY, RACER, Airframe
+from crosstrack.sim.airframe import AIRFRAMES, CRAZYFLIE, GENERIC, RACER, Airframe
 from crosstrack.sim.dynamics import step
 from crosstrack.sim.fleet import fleet
 from crosstrack.sim.kernel import STEP
-from crosstrack.types import Air, Array, Limits
+from crosstrack.types import GRAVITY, Air, Array, Limits
 
 every = pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=AIRFRAMES)
 STILL = (0.0, 0.0, 0.0)

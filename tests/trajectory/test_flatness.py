@@ -14,11 +14,11 @@ from crosstrack.sim.airframe import RACER
 from crosstrack.sim.dynamics import derivative
 from crosstrack.sim.fleet import fleet
 from crosstrack.trajectory.flatness.ability import Ability, demands, largest_thrust
-from crosstrack.trajectory.flatness.flat import GRAVITY, flatten
+from crosstrack.trajectory.flatness.flat import flatten
 from crosstrack.trajectory.flatness.yaw import Fixed, along_velocity, towards
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.types import Air, Array, Limits
+from crosstrack.types import GRAVITY, Air, Array, Limits
 
 component = st.floats(-6, 6).map(lambda x: round(x, 2))
 drags = st.tuples(st.floats(0, 0.8), st.floats(0, 0.8), st.floats(0, 0.3))

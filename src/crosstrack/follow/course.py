@@ -42,15 +42,14 @@ def plan_course(
     entry = 0.0 if start is None else path.project(start, 0.0, path.length)
     if not envelope.stops:
         constant = SpeedProfile(np.array([0.0, path.length]), np.array([speed, speed]))
-        return Course(path, constant, envelope, entry)
+        return Course(path, constant, envelope, entry, corners=route.points)
     accelerations = RESERVE * possible(path, envelope)
     with np.errstate(divide="ignore"):
         limits = np.minimum(speed, envelope.speed_vertical / steepness(path))
         limits = np.minimum(limits, np.sqrt(accelerations / path.curvatures))
     corners = cusp_speeds(path, accelerations, CUSP * tolerance)
-    return Course(
-        path, profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time), envelope, entry
-    )
+    pace = profile(path.lengths, limits, corners, accelerations, SWING * envelope.response_time)
+    return Course(path, pace, envelope, entry, corners=route.points)
 
 
 def possible(path: Pieces, envelope: Envelope) -> Array:

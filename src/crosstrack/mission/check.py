@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crosstrack.errors import InputError, Problem
-from crosstrack.follow.feed_forward import FeedForward
 from crosstrack.mission.complaints import faults_of
+from crosstrack.mission.parts import kind_of
 from crosstrack.mission.text import Document, Place, show
 from crosstrack.mission.values import sound
 from crosstrack.types import Array
@@ -107,10 +107,21 @@ def planner_fits(mission: "Mission") -> Faults:
             yield from ((("planner",), f"{error.source}: {problem}") for problem in error.problems)
 
 
-def tracker_has_its_trajectory(mission: "Mission") -> Faults:
-    """Ask for a planner where the tracker follows a trajectory."""
-    if mission.planner is None and isinstance(mission.tracker, FeedForward):
-        yield ("tracker",), "feed_forward follows a trajectory: add a planner, such as planner: {kind: minimum_snap}"
+def tracker_has_what_it_needs(mission: "Mission") -> Faults:
+    """Ask for a planner where the tracker follows a trajectory, and for a vehicle that takes what it commands."""
+    tracker, scenario = mission.tracker, mission.scenario()
+    assert tracker is not None  # it was given its default
+    kind = kind_of("tracker", tracker)
+    if "trajectory" in tracker.needs and mission.planner is None:
+        yield ("tracker",), f"{kind} follows a trajectory: add a planner, such as planner: {{kind: minimum_snap}}"
+    try:
+        envelope = mission.vehicle.envelope(scenario)
+    except InputError as error:
+        yield from (((error.source, problem.place), problem.message) for problem in error.problems)
+        return
+    if "attitude" in tracker.needs and envelope.model is None:
+        vehicle = kind_of("vehicle", mission.vehicle)
+        yield ("tracker",), f"{kind} commands attitudes or rates, which the vehicle {vehicle} does not take"
 
 
 def route_leads_somewhere(mission: "Mission") -> Faults:
@@ -176,7 +187,10 @@ CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
     (frozenset({"route", "origin"}), route_is_read),
     (frozenset({"world", "frame"}), world_is_built),
     (frozenset({"planner", "start"}), planner_fits),
-    (frozenset({"planner", "tracker"}), tracker_has_its_trajectory),
+    (
+        frozenset({"planner", "tracker", "vehicle", "start", "frame", "world", "limits", "air", "noise"}),
+        tracker_has_what_it_needs,
+    ),
     (frozenset({"start", "route", "origin", "frame", "world", "loop"}), route_leads_somewhere),
     (frozenset({"start", "frame", "world", "vehicle"}), start_is_sound),
     (frozenset({"start", "route", "origin", "frame", "world", "vehicle"}), route_is_clear),

@@ -144,4 +144,5 @@ class Mission(MissionFile):
             noise=self.noise,
             period=1 / self.timing.rate,
             seed=self.seed,
+            mismatch=self.mismatch,
         )

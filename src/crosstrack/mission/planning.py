@@ -28,7 +28,8 @@ def course_for(mission: "Mission", route: Polyline, scenario: Scenario) -> Cours
     if not envelope.stops:
         message = "plans from rest to rest, and this kind of vehicle cannot stop"
         raise InputError(mission.name, [Problem("planner", message)])
-    return course_of(mission.planner.plan(task_for(mission, mission.planner, route, scenario)), envelope)
+    trajectory = mission.planner.plan(task_for(mission, mission.planner, route, scenario))
+    return replace(course_of(trajectory, envelope), corners=route.points)
 
 
 def task_for(mission: "Mission", planner: Planner, route: Polyline, scenario: Scenario) -> PlanningTask:

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Tag
 from crosstrack.frames import Origin
 from crosstrack.mission.parts import CONFIG, Part
 from crosstrack.registry import find
-from crosstrack.types import Air, Finite, Limits, Noise, Positive, Vector, Wind
+from crosstrack.types import Air, Finite, Limits, Mismatch, Noise, Positive, Vector, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
 from crosstrack.world.build import WorldSpec
 
@@ -110,6 +110,7 @@ class MissionFile:
     wind: Wind = field(default_factory=Wind)
     air: Air = field(default_factory=Air)
     noise: Noise = field(default_factory=Noise)
+    mismatch: Mismatch = field(default_factory=Mismatch)
     timing: Timing = field(default_factory=Timing)
     origin: Origin | None = None
     """WGS84 place of the local (0, 0, 0); by default the home of the `.plan` file, else AirSim's"""

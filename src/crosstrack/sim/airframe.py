@@ -7,10 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from crosstrack.sim.gains import Gains
-from crosstrack.types import Array, Vector
+from crosstrack.types import GRAVITY, Array, Vector
 
-GRAVITY = 9.80665
-"""m/s², standard"""
 SEA_LEVEL_DENSITY = 1.225
 """kg/m³, of the air in which rotor coefficients are given"""
 

@@ -14,9 +14,9 @@ rotor thrusts  roll and pitch first, then collective thrust, then yaw
 import math
 
 from crosstrack.compiled import compiled
-from crosstrack.sim.airframe import GRAVITY
 from crosstrack.sim.dynamics import Body, Rotors, Triple, drag_force, rotation, rotor_wrench
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, Fleet
+from crosstrack.types import GRAVITY
 
 LEAST_LIFT = 0.3
 """of gravity: the least vertical thrust asked for, so that attitude control keeps its authority"""
@@ -94,7 +94,7 @@ def acceleration_wanted(body: Body, x: Axis, y: Axis, z: Axis, error: Triple, p:
 @compiled
 def thrust_vector(ax: float, ay: float, az: float, p: Fleet) -> Triple:
     """Return the specific force (m/s², world) nearest to an acceleration that tilt and thrust allow, height first."""
-    most = MOST_THRUST * 4 * p.thrust_max / p.mass
+    most = MOST_THRUST * 4 * p.thrust_max / p.known_mass
     lift = min(most, max(LEAST_LIFT * GRAVITY, az + GRAVITY))
     sideways = math.sqrt(ax * ax + ay * ay)
     room = min(lift * p.tilt_tangent, math.sqrt(max(0.0, most * most - lift * lift)))
@@ -170,9 +170,9 @@ def pursue(body: Body, rotors: Rotors, asked: Demand, expected: Triple, h: float
     turn = rotation(body[6], body[7], body[8], body[9])
     r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
     pull, _, _, _, speed_sum = rotor_wrench(rotors, p)
-    dx, dy, dz = drag_force(turn, vx, vy, vz, speed_sum, p)
-    sx, sy = dx * p.inverse_mass, dy * p.inverse_mass
-    lift = (pull + dz) * p.inverse_mass
+    dx, dy, dz = drag_force(turn, vx, vy, vz, speed_sum, p.known_body_drag, p.known_rotor_drag)
+    sx, sy = dx * p.known_inverse_mass, dy * p.known_inverse_mass
+    lift = (pull + dz) * p.known_inverse_mass
     slack = h - 1.0 / p.gain_disturbance
     expected = (
         vx + h * (r00 * sx + r01 * sy + r02 * lift) + slack * upset[0],
@@ -194,7 +194,7 @@ def pursue(body: Body, rotors: Rotors, asked: Demand, expected: Triple, h: float
     qx, qy, qz, qw = attitude_wanted(fx, fy, fz, sine, cosine)
     wx, wy, wz = rate_wanted(body, qx, qy, qz, qw, p)
     # Drag along body z needs no tilt: the collective thrust meets it alone.
-    return (wx, wy, wz + extra, fx * r02 + fy * r12 + fz * r22 - dz * p.inverse_mass), expected
+    return (wx, wy, wz + extra, fx * r02 + fy * r12 + fz * r22 - dz * p.known_inverse_mass), expected
 
 
 @compiled
@@ -206,6 +206,6 @@ def spin_rotors(body: Body, rate: Quadruple, p: Fleet) -> Quadruple:
     tx = jx * p.gain_rate * (wx - bx) + (jz - jy) * by * bz
     ty = jy * p.gain_rate * (wy - by) + (jx - jz) * bz * bx
     tz = jz * p.gain_rate_yaw * (wz - bz) + (jy - jx) * bx * by
-    a, b, c, d = mix(p.mass * thrust, tx, ty, tz, p)
+    a, b, c, d = mix(p.known_mass * thrust, tx, ty, tz, p)
     k = 1.0 / p.thrust
     return math.sqrt(a * k), math.sqrt(b * k), math.sqrt(c * k), math.sqrt(d * k)

@@ -3,8 +3,8 @@
 import math
 
 from crosstrack.compiled import compiled
-from crosstrack.sim.airframe import GRAVITY
 from crosstrack.sim.fleet import Fleet
+from crosstrack.types import GRAVITY
 
 SAG = 0.001
 """m, how far the feet sink under the vehicle's weight"""

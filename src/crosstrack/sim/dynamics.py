@@ -13,9 +13,9 @@ Rotor drag: Faessler, Franchi, Scaramuzza 2018, eq. 1-3. The gyroscopic torque o
 import math
 
 from crosstrack.compiled import compiled
-from crosstrack.sim.airframe import GRAVITY
 from crosstrack.sim.contact import Rotation, contact
 from crosstrack.sim.fleet import Fleet
+from crosstrack.types import GRAVITY, Array
 
 Body = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 Rotors = tuple[float, float, float, float]
@@ -69,13 +69,22 @@ def rotation(qx: float, qy: float, qz: float, qw: float) -> Rotation:
 
 
 @compiled
-def drag_force(turn: Rotation, ax: float, ay: float, az: float, speed_sum: float, p: Fleet) -> Triple:
-    """Return the drag (N, body) at an airspeed (m/s, world) and a sum of the rotor speeds (rad/s)."""
+def drag_force(turn: Rotation, ax: float, ay: float, az: float, speed_sum: float, k: Array, c: Array) -> Triple:
+    """Return the drag (N, body) at an airspeed (m/s, world) and a sum of the rotor speeds (rad/s).
+
+    Args:
+        turn: body to world
+        ax: m/s, east
+        ay: m/s, north
+        az: m/s, up
+        speed_sum: rad/s
+        k: (3,) N/(m/s)², body drag
+        c: (3,) N/((rad/s) (m/s)), rotor drag
+    """
     r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
     ux = r00 * ax + r10 * ay + r20 * az
     uy = r01 * ax + r11 * ay + r21 * az
     uz = r02 * ax + r12 * ay + r22 * az
-    k, c = p.body_drag, p.rotor_drag
     return (
         -(k[0] * abs(ux) + c[0] * speed_sum) * ux,
         -(k[1] * abs(uy) + c[1] * speed_sum) * uy,
@@ -90,7 +99,7 @@ def derivative(body: Body, wrench: Wrench, wind: Triple, p: Fleet) -> Body:
     thrust, torque_x, torque_y, torque_z, speed_sum = wrench
     turn = rotation(qx, qy, qz, qw)
     r00, r01, r02, r10, r11, r12, r20, r21, r22 = turn
-    fx, fy, fz = drag_force(turn, vx - wind[0], vy - wind[1], vz - wind[2], speed_sum, p)
+    fx, fy, fz = drag_force(turn, vx - wind[0], vy - wind[1], vz - wind[2], speed_sum, p.body_drag, p.rotor_drag)
     fz += thrust
     gx = gy = gz = 0.0
     if pz < p.ground + 4 * p.gear:

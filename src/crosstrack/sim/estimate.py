@@ -27,9 +27,9 @@ def step(memory: Estimator, state: State, rng: np.random.Generator) -> tuple[Sta
     """Return the estimate at the time of a true state, and the new memory.
 
     The estimate is the truth `noise.delay` ago, or the first state while none is as old, interpolated
-    linearly between the states given (the attitude along the chord, normalised), plus white noise on position
-    and velocity. It bears the time of `state`: the vehicle does not know that it is late. Without delay and
-    noise it is `state` itself.
+    linearly between the states given (the attitude along the chord, normalised), plus white noise on position,
+    velocity and acceleration. It bears the time of `state`: the vehicle does not know that it is late.
+    Without delay and noise it is `state` itself.
 
     Args:
         memory: from `start` or the step before
@@ -44,7 +44,7 @@ def step(memory: Estimator, state: State, rng: np.random.Generator) -> tuple[Sta
         first = max(0, bisect_right(past, then, key=attrgetter("time")) - 1)
         memory = Estimator(noise, (*past[first:], state))
         estimate = recalled(memory.past, then, state.time)
-    if noise.position > 0 or noise.velocity > 0:
+    if noise.position > 0 or noise.velocity > 0 or noise.acceleration > 0:
         estimate = blurred(estimate, noise, rng)
     return estimate, memory
 
@@ -71,14 +71,16 @@ def recalled(past: tuple[State, ...], then: float, now: float) -> State:
 
 
 def blurred(state: State, noise: Noise, rng: np.random.Generator) -> State:
-    """Return the state with white noise on position and velocity."""
-    error = rng.standard_normal((2, 3))
+    """Return the state with white noise on position, velocity and acceleration."""
+    error = rng.standard_normal((3 if noise.acceleration > 0 else 2, 3))
     return State(
         time=state.time,
         position=state.position + noise.position * error[0],
         velocity=state.velocity + noise.velocity * error[1],
         attitude=state.attitude,
         rate=state.rate,
-        acceleration=state.acceleration,
+        acceleration=state.acceleration + noise.acceleration * error[2]
+        if noise.acceleration > 0
+        else state.acceleration,
         rotor_speeds=state.rotor_speeds,
     )

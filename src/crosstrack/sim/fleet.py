@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from crosstrack.sim.airframe import GRAVITY, SEA_LEVEL_DENSITY, Airframe
-from crosstrack.types import Air, Array, Limits
+from crosstrack.sim.airframe import SEA_LEVEL_DENSITY, Airframe
+from crosstrack.types import GRAVITY, Air, Array, Limits, Mismatch
 
 MOTION, ATTITUDE, RATE = 0, 1, 2
 """Levels of a command: position/velocity/acceleration/yaw/yaw rate, attitude/thrust, rate/thrust."""
@@ -16,6 +16,8 @@ ROW = np.dtype(
         # What it is.
         ("mass", float),  # kg
         ("inverse_mass", float),  # 1/kg
+        ("known_mass", float),  # kg, that the autopilot takes it to have
+        ("known_inverse_mass", float),  # 1/kg
         ("inertia", float, 3),  # kg m², about the body axes
         ("inverse_inertia", float, 3),  # 1/(kg m²)
         ("rotor_x", float, 4),  # m, body
@@ -29,6 +31,8 @@ ROW = np.dtype(
         ("allocation", float, (4, 4)),  # rotor thrusts (N) from thrust (N) and torques (N m)
         ("body_drag", float, 3),  # N/(m/s)², in the air of the scenario
         ("rotor_drag", float, 3),  # N/((rad/s) (m/s)), in the air of the scenario
+        ("known_body_drag", float, 3),  # that the autopilot takes it to have
+        ("known_rotor_drag", float, 3),
         ("gear", float),  # m, from the centre down to the feet
         ("ground", float),  # m, height of the ground
         ("tilt_tangent", float),  # of the largest tilt that the autopilot asks for
@@ -55,29 +59,43 @@ ROW = np.dtype(
     ]
 )
 
+EXACT = Mismatch()
+
 Fleet = Any
 """An array of ROW, or one row: compiled code reads the fields of a row as attributes."""
 
 
 def fleet(
-    airframe: Airframe, air: Air, limits: Limits, ground: float, count: int = 1
+    airframe: Airframe,
+    air: Air,
+    limits: Limits,
+    ground: float,
+    count: int = 1,
+    mismatch: Mismatch = EXACT,
 ) -> "np.ndarray[Any, np.dtype[np.void]]":
-    """Return `count` vehicles of one airframe, shape (count,), with neither place nor command yet."""
+    """Return `count` vehicles of one airframe, shape (count,), with neither place nor command yet.
+
+    What the autopilot knows of them is the airframe; what they are differs by the mismatch.
+    """
     density_ratio = air.density / SEA_LEVEL_DENSITY
     thrust = airframe.thrust_coefficient * density_ratio
     rows = np.zeros(count, ROW)
-    rows["mass"], rows["inverse_mass"] = airframe.mass, 1 / airframe.mass
+    mass = mismatch.mass * airframe.mass
+    rows["mass"], rows["inverse_mass"] = mass, 1 / mass
+    rows["known_mass"], rows["known_inverse_mass"] = airframe.mass, 1 / airframe.mass
     rows["inertia"], rows["inverse_inertia"] = airframe.inertia, 1 / np.asarray(airframe.inertia)
     rows["rotor_x"] = np.asarray(airframe.rotor_positions)[:, 0]
     rows["rotor_y"] = np.asarray(airframe.rotor_positions)[:, 1]
     rows["spin"] = airframe.spins
     rows["thrust"], rows["torque_ratio"] = thrust, airframe.torque_ratio
-    rows["motor_time"] = airframe.motor_time
+    rows["motor_time"] = mismatch.motor_time * airframe.motor_time
     rows["thrust_min"] = thrust * airframe.rotor_speed_min**2
     rows["thrust_max"] = thrust * airframe.rotor_speed_max**2
     rows["allocation"] = airframe.allocation
-    rows["body_drag"] = np.asarray(airframe.body_drag) * air.density
-    rows["rotor_drag"] = np.asarray(airframe.rotor_drag) * density_ratio
+    rows["known_body_drag"] = np.asarray(airframe.body_drag) * air.density
+    rows["known_rotor_drag"] = np.asarray(airframe.rotor_drag) * density_ratio
+    for name in ("body_drag", "rotor_drag"):
+        rows[name] = mismatch.drag * rows[f"known_{name}"]
     rows["gear"], rows["ground"] = airframe.gear, ground
     rows["tilt_tangent"], rows["speed_max"] = math.tan(math.radians(limits.tilt_deg)), limits.speed
     gains = airframe.gains

@@ -9,11 +9,22 @@ import numpy as np
 from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Scenario
 from crosstrack.sim import estimate, turbulence
-from crosstrack.sim.airframe import AIRFRAMES, GRAVITY, SEA_LEVEL_DENSITY, Airframe
+from crosstrack.sim.airframe import AIRFRAMES, SEA_LEVEL_DENSITY, Airframe
 from crosstrack.sim.autopilot import LEAST_LIFT, MOST_THRUST
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, fleet, place
 from crosstrack.sim.kernel import STEP, fly
-from crosstrack.types import Array, AttitudeSetpoint, Command, Envelope, Positive, Setpoint, State
+from crosstrack.types import (
+    GRAVITY,
+    Array,
+    AttitudeSetpoint,
+    Command,
+    Envelope,
+    Limits,
+    Model,
+    Positive,
+    Setpoint,
+    State,
+)
 
 HARD_LANDING = 1.5
 """m/s, sinking speed at touchdown from which the ground is hit, not landed on"""
@@ -27,6 +38,30 @@ def terminal(square: float, linear: float, acceleration: float) -> float:
     if square == 0 and linear == 0:
         return math.inf
     return float(2 * acceleration / (linear + math.sqrt(linear**2 + 4 * square * acceleration)))
+
+
+def drag_of(airframe: Airframe, density: float) -> tuple[Array, Array]:
+    """Return the drag over mass that grows with the airspeed, at hover (1/s), and with its square (1/m), (3,) each."""
+    ratio = density / SEA_LEVEL_DENSITY
+    linear = np.multiply(airframe.rotor_drag, ratio * 4 * airframe.rotor_speed_hover / airframe.mass)
+    return linear, np.multiply(airframe.body_drag, density / airframe.mass)
+
+
+def model_of(airframe: Airframe, density: float, limits: Limits) -> Model:
+    """Return what a tracker may know of an airframe in air of a density (kg/m³)."""
+    linear, square = drag_of(airframe, density)
+    factor = airframe.thrust_coefficient * density / SEA_LEVEL_DENSITY / airframe.mass
+    return Model(
+        drag=linear,
+        drag_quadratic=square,
+        thrust_min=LEAST_LIFT * GRAVITY,
+        thrust_max=MOST_THRUST * 4 * factor * airframe.rotor_speed_max**2,
+        thrust_factor=factor,
+        rate_time=1 / airframe.gains.rate + airframe.motor_time,
+        thrust_time=airframe.motor_time,
+        rate_max=airframe.gains.max_rate,
+        tilt_max=math.radians(limits.tilt_deg),
+    )
 
 
 @dataclass(frozen=True)
@@ -55,8 +90,7 @@ class Quadrotor:
             raise InputError("air", [Problem("pressure", f"{message}, above {1 / MOST_THRUST:.2f} is needed")])
         sideways = GRAVITY * min(math.tan(math.radians(limits.tilt_deg)), math.sqrt(lift**2 - 1))
         upwards = min(limits.acceleration, GRAVITY * min(lift - 1, 1 - LEAST_LIFT))
-        square = np.multiply(airframe.body_drag, density / airframe.mass)
-        linear = np.multiply(airframe.rotor_drag, ratio * 4 * airframe.rotor_speed_hover / airframe.mass)
+        linear, square = drag_of(airframe, density)
         gains = airframe.gains
         response = 1 / gains.attitude + 1 / gains.rate + airframe.motor_time
         return Envelope(
@@ -65,6 +99,7 @@ class Quadrotor:
             acceleration=min(limits.acceleration, sideways),
             acceleration_vertical=(1 - UPWARDS) * upwards,
             response_time=response + scenario.noise.delay,
+            model=model_of(airframe, density, limits),
         )
 
     def launch(self, scenario: Scenario) -> "QuadrotorSession":
@@ -84,7 +119,7 @@ class QuadrotorSession:
     def __init__(self, airframe: Airframe, scenario: Scenario) -> None:
         self.rng = np.random.default_rng(scenario.seed)
         self.mean = np.array(scenario.wind.mean)
-        self.rows = fleet(airframe, scenario.air, scenario.limits, scenario.world.ground)
+        self.rows = fleet(airframe, scenario.air, scenario.limits, scenario.world.ground, mismatch=scenario.mismatch)
         # A late estimate allows no more gain than one that the velocity loop can still follow.
         late = 1 / (1 + airframe.gains.velocity * scenario.noise.delay)
         for gain in ("gain_position", "gain_velocity", "gain_disturbance"):

@@ -7,10 +7,10 @@ import numpy as np
 
 from crosstrack.protocols import Trajectory
 from crosstrack.trajectory.certified.extremes import Extreme, largest_norm
-from crosstrack.trajectory.flatness.flat import GRAVITY, NOTHING, Flat, flatten
+from crosstrack.trajectory.flatness.flat import NOTHING, Flat, flatten
 from crosstrack.trajectory.flatness.yaw import EAST, Yaw
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.types import Array, Vector
+from crosstrack.types import GRAVITY, Array, Vector
 
 MOST_SAMPLES = 1_000_000
 """of one check; longer trajectories are sampled more coarsely"""

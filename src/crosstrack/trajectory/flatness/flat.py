@@ -22,10 +22,8 @@ from scipy.spatial.transform import Rotation
 from crosstrack.errors import InputError, Problem, reported_by
 from crosstrack.protocols import Trajectory
 from crosstrack.trajectory.flatness.yaw import EAST, Yaw
-from crosstrack.types import Array, Vector
+from crosstrack.types import GRAVITY, Array, Vector
 
-GRAVITY = 9.80665
-"""m/s², standard"""
 SINGULAR = 1e-3
 """m/s², of the thrust across the axis that a yaw leaves open: with less, yaw does not fix the attitude"""
 NOTHING: Vector = (0.0, 0.0, 0.0)

@@ -49,6 +49,8 @@ class FeedForward:
     trajectory; the times ahead are ours.
     """
 
+    needs = ("trajectory",)
+
     lead: NonNegative = 1.0
     """1, λ, how far ahead the acceleration is sent over the vehicle's response time"""
 

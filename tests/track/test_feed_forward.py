@@ -13,8 +13,8 @@ from crosstrack.flight.flight import Flight
 from crosstrack.flight.loop import fly
 from crosstrack.flight.plan import Plan
 from crosstrack.follow.carrot import Carrot
-from crosstrack.follow.feed_forward import FeedForward
 from crosstrack.path.pace import course_of
+from crosstrack.track.feed_forward import FeedForward
 from crosstrack.trajectory.flatness.yaw import Faced, Fixed, along_velocity
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
