@@ -24,6 +24,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "tracker": {
         "carrot": "crosstrack.follow.carrot:Carrot",
         "feed_forward": "crosstrack.track.feed_forward:FeedForward",
+        "geometric": "crosstrack.track.geometric:Geometric",
     },
     "avoider": {},
     "generator": {

@@ -109,7 +109,9 @@ class Model:
 
     With the specific thrust c along body z, and the airspeed u in body axes, the acceleration in the body is
 
-        c e_z - (d_i + k_i |u_i|) u_i,     i = x, y, z.
+        c e_z - (d_i √(c/g) + k_i |u_i|) u_i,     i = x, y, z,
+
+    as the drag of the rotors grows with their speed.
     """
 
     drag: Array

@@ -1,0 +1,123 @@
+"""From the force that a motion needs to the body rates and the thrust that give it."""
+
+import math
+
+from crosstrack.compiled import compiled
+from crosstrack.types import GRAVITY, Array
+
+Triple = tuple[float, float, float]
+Axes = tuple[float, float, float, float, float, float, float, float, float]
+"""Body axes in the world, x then y then z."""
+
+
+@compiled
+def axes_of(attitude: Array) -> Axes:
+    """Return the body axes of an attitude xyzw."""
+    x, y, z, w = attitude[0], attitude[1], attitude[2], attitude[3]
+    return (
+        1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),
+        2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w),
+        2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y),
+    )  # fmt: skip
+
+
+@compiled
+def dot(a: Triple, b: Triple) -> float:
+    """Return the scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def drag_of(axes: Axes, air: Triple, effort: float, linear: Array, square: Array) -> Triple:
+    """Return the acceleration (m/s², world) by drag of the nominal model, see `types.Model`.
+
+    Args:
+        axes: body axes
+        air: m/s, world, airspeed
+        effort: rotor speed over that at hover, √(c/g)
+        linear: (3,) 1/s
+        square: (3,) 1/m
+    """
+    x, y, z = axes[0:3], axes[3:6], axes[6:9]
+    ux, uy, uz = dot(x, air), dot(y, air), dot(z, air)
+    dx = -(effort * linear[0] + square[0] * abs(ux)) * ux
+    dy = -(effort * linear[1] + square[1] * abs(uy)) * uy
+    dz = -(effort * linear[2] + square[2] * abs(uz)) * uz
+    return (
+        x[0] * dx + y[0] * dy + z[0] * dz,
+        x[1] * dx + y[1] * dy + z[1] * dz,
+        x[2] * dx + y[2] * dy + z[2] * dz,
+    )
+
+
+@compiled
+def drag_while(axes: Axes, air: Triple, need: Triple, linear: Array, square: Array) -> Triple:
+    """Return the acceleration (m/s², world) by drag while the thrust meets it and `need` (m/s², gravity included).
+
+    Drag and thrust depend on one another; the second round is within a percent.
+    """
+    drag = (0.0, 0.0, 0.0)
+    for _ in range(2):
+        left = (need[0] - drag[0], need[1] - drag[1], need[2] - drag[2])
+        drag = drag_of(axes, air, math.sqrt(max(0.0, dot(left, axes[6:9])) / GRAVITY), linear, square)
+    return drag
+
+
+@compiled
+def reachable(fx: float, fy: float, fz: float, least: float, most: float, tilt: float) -> Triple:
+    """Return the thrust vector (m/s²) nearest to one that tilt (its tangent) and thrust allow, height first."""
+    lift = min(most, max(least, fz))
+    sideways = math.sqrt(fx * fx + fy * fy)
+    room = min(lift * tilt, math.sqrt(max(0.0, most * most - lift * lift)))
+    scale = room / sideways if sideways > room else 1.0
+    return fx * scale, fy * scale, lift
+
+
+@compiled
+def axes_for(f: Triple, yaw: float) -> Axes:
+    """Return the body axes whose z points along a force, with x in the vertical plane of a yaw (rad) as seen from y.
+
+    x_C = (cos ψ, sin ψ, 0), y_B = unit(z_B × x_C), x_B = y_B × z_B (Mellinger, Kumar 2011, section III).
+    """
+    inverse = 1.0 / math.sqrt(dot(f, f))
+    z = (f[0] * inverse, f[1] * inverse, f[2] * inverse)
+    c, s = math.cos(yaw), math.sin(yaw)
+    yx, yy, yz = -z[2] * s, z[2] * c, z[0] * s - z[1] * c
+    inverse = 1.0 / math.sqrt(max(1e-12, yx * yx + yy * yy + yz * yz))
+    y = (yx * inverse, yy * inverse, yz * inverse)
+    return (
+        y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0],
+        y[0], y[1], y[2], z[0], z[1], z[2],
+    )  # fmt: skip
+
+
+@compiled
+def rate_along(axes: Axes, f: Triple, change: Triple, yaw: float, yaw_rate: float) -> Triple:
+    """Return the body rates (rad/s) that keep z along a force (m/s²) that changes (m/s³), and x at a yaw (rad).
+
+    ω_x = -y_B · f' / |f|,  ω_y = x_B · f' / |f|,  ω_z = (ω_x z_B · x_C + ψ' y_B · y_C) / (x_B · x_C), the last from
+    y_B · x_C = 0 at all times.
+    """
+    x, y, z = axes[0:3], axes[3:6], axes[6:9]
+    inverse = 1.0 / math.sqrt(dot(f, f))
+    wx, wy = -dot(y, change) * inverse, dot(x, change) * inverse
+    c, s = math.cos(yaw), math.sin(yaw)
+    ahead = x[0] * c + x[1] * s
+    wz = (wx * (z[0] * c + z[1] * s) + yaw_rate * (y[1] * c - y[0] * s)) / ahead if ahead > 1e-3 else 0.0
+    return wx, wy, wz
+
+
+@compiled
+def error_of(axes: Axes, wanted: Axes) -> Triple:
+    """Return the attitude error e = ½ (R_dᵀ R - Rᵀ R_d)^∨ (Lee, Leok, McClamroch 2010, eq. 10), 1."""
+    x, y, z = axes[0:3], axes[3:6], axes[6:9]
+    u, v, w = wanted[0:3], wanted[3:6], wanted[6:9]
+    return 0.5 * (dot(w, y) - dot(v, z)), 0.5 * (dot(u, z) - dot(w, x)), 0.5 * (dot(v, x) - dot(u, y))
+
+
+@compiled
+def capped(rate: Triple, most: float) -> Triple:
+    """Return body rates whose roll and pitch are together, and whose yaw is, at most `most` (rad/s)."""
+    tilt = math.sqrt(rate[0] * rate[0] + rate[1] * rate[1])
+    scale = most / tilt if tilt > most else 1.0
+    return rate[0] * scale, rate[1] * scale, min(most, max(-most, rate[2]))

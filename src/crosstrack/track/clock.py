@@ -1,0 +1,85 @@
+"""What every tracker of trajectories shares: when it is, what is asked for then, and how far the vehicle has come."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosstrack.errors import InputError, Problem
+from crosstrack.path.pieces import reach_of
+from crosstrack.protocols import Course
+from crosstrack.track.reference import ROWS, SPACING, Reference, reference, trajectory_of
+from crosstrack.types import Array, Model, State
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What following a trajectory remembers."""
+
+    progress: float
+    """m, arc length of the closest point"""
+    aim: Array
+    """(3,) m, where the trajectory is now"""
+    began: float
+    """s, when it began, on the vehicle's clock"""
+    error: float
+    """m, cross-track error"""
+    reference: Reference
+    """the stretch of the trajectory around now"""
+
+
+@dataclass(frozen=True)
+class Timed:
+    """The memory of a tracker that remembers more than the clock."""
+
+    clock: Clock
+
+    @property
+    def progress(self) -> float:
+        """m, arc length of the closest point"""
+        return self.clock.progress
+
+    @property
+    def aim(self) -> Array:
+        """(3,) m, where the trajectory is now"""
+        return self.clock.aim
+
+
+def begin(course: Course, state: State) -> Clock:
+    """Begin the trajectory of a course now, with the yaw that the vehicle has where it says none.
+
+    Raises:
+        InputError: the course has no trajectory.
+    """
+    trajectory = trajectory_of(course)
+    foot = course.path(course.entry)
+    error = float(np.linalg.norm(foot - state.position))
+    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, heading_of(state.attitude)))
+
+
+def tick(clock: Clock, course: Course, state: State, duration: float) -> Clock:
+    """Return the clock now, `duration` (s) after the step before."""
+    moved = math.sqrt(state.velocity @ state.velocity) * duration
+    s = course.path.project(state.position, clock.progress, reach_of(clock.error, moved))
+    offset = course.path(s) - state.position
+    now = state.time - clock.began
+    stretch = clock.reference.covering(now)
+    k = min(int((now - stretch.begin) / SPACING + 0.5), ROWS - 1)
+    return Clock(s, stretch.rows[k, :3], clock.began, math.sqrt(offset @ offset), stretch)
+
+
+def heading_of(attitude: Array) -> float:
+    """Return the yaw (rad) of an attitude xyzw."""
+    x, y, z, w = attitude
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def model_of(course: Course) -> Model:
+    """Return what is known of the vehicle to command attitudes or rates.
+
+    Raises:
+        InputError: the vehicle takes none.
+    """
+    if course.envelope.model is None:
+        raise InputError("vehicle", [Problem("kind", "takes no attitudes or rates, which this tracker commands")])
+    return course.envelope.model

@@ -1,0 +1,197 @@
+"""Geometric tracking on SE(3): the thrust vector that the motion needs, and the rates that turn the body to it."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from crosstrack.compiled import compiled
+from crosstrack.protocols import Course
+from crosstrack.track.attitude import (
+    axes_for,
+    axes_of,
+    capped,
+    dot,
+    drag_of,
+    drag_while,
+    error_of,
+    rate_along,
+    reachable,
+)
+from crosstrack.track.clock import Clock, begin, model_of, tick
+from crosstrack.track.reference import motion
+from crosstrack.types import GRAVITY, Array, Model, Positive, RateSetpoint, State
+
+YAW_SHARE = 0.4
+"""of the attitude gain, that the yaw error is turned with"""
+
+
+class Stiffness(Protocol):
+    """What a tracker by attitude is tuned with."""
+
+    @property
+    def attitude_gain(self) -> float:
+        """Attitude gain times the time the vehicle takes to answer a rate."""
+
+    @property
+    def velocity_gain(self) -> float:
+        """Velocity gain over attitude gain."""
+
+    @property
+    def position_gain(self) -> float:
+        """Position gain over the square of the velocity gain."""
+
+
+@dataclass(frozen=True)
+class Geometric:
+    """Track a trajectory on SE(3) with feed-forward of rates, thrust and drag.
+
+    With position and velocity errors from the trajectory p, the rotation R with columns x_B, y_B, z_B, and the drag
+    D(v, R) of the nominal model, the thrust vector, attitude, rates and thrust are
+
+        f = k_p (p - x) + k_v (p' - v) + p'' + g e_z - D,    R_d: z along f, x at the yaw,
+        ω = Rᵀ R_d ω_d - k_R e_R,    e_R = ½ (R_dᵀ R - Rᵀ R_d)^∨,    c = f · z_B,
+
+    where ω_d keeps R_d along f while it changes by f' = p''' + k_p (p' - v). As the vehicle takes the time τ to answer
+    a rate, and a command held for the period T is T/2 old on average, the changes are fed forward from t + T/2 + τ.
+    The gains follow from the vehicle: k_R = α / (τ + T/2), k_v = β k_R, k_p = γ k_v².
+
+    Sources: Lee, Leok, McClamroch 2010 (CDC, arXiv 1003.2005), eq. 10-16; Faessler, Franchi, Scaramuzza 2018 (RA-L 3(2)),
+    eq. 13-20, for drag and rates in place of torques.
+    """
+
+    needs = ("trajectory", "attitude")
+
+    attitude_gain: Positive = 0.6
+    """1, α, attitude gain times the time the vehicle takes to answer a rate"""
+    velocity_gain: Positive = 0.45
+    """1, β, velocity gain over attitude gain"""
+    position_gain: Positive = 0.35
+    """1, γ, position gain over the square of the velocity gain"""
+
+    def start(self, course: Course, state: State) -> Clock:
+        """Begin the trajectory now.
+
+        Raises:
+            InputError: the course has no trajectory, or the vehicle takes no rates.
+        """
+        model_of(course)
+        return begin(course, state)
+
+    def step(self, memory: Clock, course: Course, state: State, duration: float) -> tuple[RateSetpoint, Clock]:
+        """Return rates and thrust for the next `duration` (s), and the new memory."""
+        clock, model = tick(memory, course, state, duration), model_of(course)
+        out = np.empty(4)
+        steer(
+            clock.reference.rows,
+            state.time - clock.began - clock.reference.begin,
+            duration,
+            state.position,
+            state.velocity,
+            state.attitude,
+            np.zeros(3),
+            gains_of(self, model, duration),
+            constants_of(model),
+            model.drag,
+            model.drag_quadratic,
+            out,
+        )
+        return RateSetpoint(out[:3], float(out[3])), clock
+
+
+def gains_of(law: Stiffness, model: Model, duration: float) -> tuple[float, float, float]:
+    """Return the gains of position (1/s²), velocity (1/s) and attitude (1/s) for a vehicle asked every `duration` s."""
+    attitude = law.attitude_gain / (model.rate_time + 0.5 * duration)
+    velocity = law.velocity_gain * attitude
+    return law.position_gain * velocity**2, velocity, attitude
+
+
+def constants_of(model: Model) -> tuple[float, float, float, float, float, float]:
+    """Return what the compiled law needs of a model: least and most thrust, tilt tangent, most rate, two times."""
+    return (
+        model.thrust_min,
+        model.thrust_max,
+        math.tan(model.tilt_max),
+        model.rate_max,
+        model.rate_time,
+        model.thrust_time,
+    )
+
+
+@compiled
+def steer(
+    rows: Array,
+    since: float,
+    period: float,
+    position: Array,
+    velocity: Array,
+    attitude: Array,
+    push: Array,
+    gains: tuple[float, float, float],
+    constants: tuple[float, float, float, float, float, float],
+    linear: Array,
+    square: Array,
+    out: Array,
+) -> None:
+    """Fill `out` with body rates (rad/s) and thrust (m/s²).
+
+    Args:
+        rows: stretch of the trajectory
+        since: s, after its first sample
+        period: s, that the command is held for
+        position: (3,) m
+        velocity: (3,) m/s
+        attitude: (4,) xyzw
+        push: (3,) m/s², acceleration by what the nominal model does not know
+        gains: of position, velocity and attitude
+        constants: see `constants_of`
+        linear: (3,) 1/s, drag
+        square: (3,) 1/m, drag
+        out: (4,)
+    """
+    stiff, damp, tight = gains
+    least, most, tilt, fastest, rate_time, thrust_time = constants
+    now = motion(rows, since)
+    axes = axes_of(attitude)
+    miss = (now[3] - velocity[0], now[4] - velocity[1], now[5] - velocity[2])
+    back_x = stiff * (now[0] - position[0]) + damp * miss[0] - push[0]
+    back_y = stiff * (now[1] - position[1]) + damp * miss[1] - push[1]
+    back_z = stiff * (now[2] - position[2]) + damp * miss[2] - push[2] + GRAVITY
+    need = (now[6] + back_x, now[7] + back_y, now[8] + back_z)
+    drag = drag_while(axes, (velocity[0], velocity[1], velocity[2]), need, linear, square)
+    back_x, back_y, back_z = back_x - drag[0], back_y - drag[1], back_z - drag[2]
+    f = reachable(now[6] + back_x, now[7] + back_y, now[8] + back_z, least, most, tilt)
+    wanted = axes_for(f, now[15])
+    error = error_of(axes, wanted)
+    # What turns the thrust vector, by when the rates asked for now are flown.
+    then = motion(rows, since + 0.5 * period + rate_time)
+    f_then = reachable(then[6] + back_x, then[7] + back_y, then[8] + back_z, least, most, tilt)
+    axes_then = axes_for(f_then, then[15])
+    effort = math.sqrt(dot(f_then, axes_then[6:9]) / GRAVITY)
+    easing = drag_of(axes_then, (then[6], then[7], then[8]), effort, linear, 2 * square)
+    change = (
+        then[9] + stiff * miss[0] - easing[0],
+        then[10] + stiff * miss[1] - easing[1],
+        then[11] + stiff * miss[2] - easing[2],
+    )
+    rate = rate_along(axes_then, f_then, change, then[15], then[16])
+    # Rᵀ R_d ω_d: the feed-forward as seen from the body as it is.
+    x, y, z = wanted[0:3], wanted[3:6], wanted[6:9]
+    world = (
+        x[0] * rate[0] + y[0] * rate[1] + z[0] * rate[2],
+        x[1] * rate[0] + y[1] * rate[1] + z[1] * rate[2],
+        x[2] * rate[0] + y[2] * rate[1] + z[2] * rate[2],
+    )
+    asked = capped(
+        (
+            dot(axes[0:3], world) - tight * error[0],
+            dot(axes[3:6], world) - tight * error[1],
+            dot(axes[6:9], world) - YAW_SHARE * tight * error[2],
+        ),
+        fastest,
+    )
+    out[0], out[1], out[2] = asked
+    soon = motion(rows, since + 0.5 * period + thrust_time)
+    lift = (soon[6] + back_x, soon[7] + back_y, soon[8] + back_z)
+    out[3] = min(most, max(least, dot(lift, axes[6:9])))
