@@ -27,6 +27,10 @@ class Clock:
     reference: Reference
     """the stretch of the trajectory around now"""
 
+    def since(self, state: State) -> float:
+        """Return the time (s) after the first sample of the stretch."""
+        return state.time - self.began - self.reference.begin
+
 
 @dataclass(frozen=True)
 class Timed:
@@ -45,8 +49,13 @@ class Timed:
         return self.clock.aim
 
 
-def begin(course: Course, state: State) -> Clock:
-    """Begin the trajectory of a course now, with the yaw that the vehicle has where it says none.
+def begin(course: Course, state: State, heading: float | None = None) -> Clock:
+    """Begin the trajectory of a course now.
+
+    Args:
+        course: with a trajectory
+        state: of the vehicle
+        heading: rad, yaw of a trajectory that leaves it open; by default the one that the vehicle has
 
     Raises:
         InputError: the course has no trajectory.
@@ -54,7 +63,8 @@ def begin(course: Course, state: State) -> Clock:
     trajectory = trajectory_of(course)
     foot = course.path(course.entry)
     error = float(np.linalg.norm(foot - state.position))
-    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, heading_of(state.attitude)))
+    yaw = heading_of(state.attitude) if heading is None else heading
+    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, yaw))
 
 
 def tick(clock: Clock, course: Course, state: State, duration: float) -> Clock:

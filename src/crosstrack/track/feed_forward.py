@@ -2,36 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from crosstrack.errors import InputError, Problem
-from crosstrack.path.pieces import reach_of
-from crosstrack.protocols import Course, Trajectory
-from crosstrack.types import Array, NonNegative, Setpoint, State
-
-
-@runtime_checkable
-class Facing(Protocol):
-    """A trajectory that also says where to look."""
-
-    def yaw(self, t: float | Array, order: int = 0) -> Array:
-        """Evaluate at the time `t` (s, shape (...)): yaw or its derivative of an order, (...) rad/s^order."""
-
-
-@dataclass(frozen=True)
-class FeedForwardMemory:
-    """What following a trajectory remembers."""
-
-    progress: float
-    """m, arc length of the closest point"""
-    aim: Array
-    """(3,) m, where the trajectory is now"""
-    start: float
-    """s, when it began, on the vehicle's clock"""
-    error: float
-    """m, cross-track error"""
+from crosstrack.protocols import Course
+from crosstrack.track.clock import Clock, begin, tick
+from crosstrack.track.reference import motion
+from crosstrack.types import NonNegative, Setpoint, State
 
 
 @dataclass(frozen=True)
@@ -54,51 +31,24 @@ class FeedForward:
     lead: NonNegative = 1.0
     """1, λ, how far ahead the acceleration is sent over the vehicle's response time"""
 
-    def start(self, course: Course, state: State) -> FeedForwardMemory:
+    def start(self, course: Course, state: State) -> Clock:
         """Begin the trajectory now.
 
         Raises:
             InputError: the course has no trajectory.
         """
-        foot = course.path(course.entry)
-        error = float(np.linalg.norm(foot - state.position))
-        return FeedForwardMemory(course.entry, trajectory_of(course)(0.0), state.time, error)
+        return begin(course, state, heading=math.nan)
 
-    def step(
-        self, memory: FeedForwardMemory, course: Course, state: State, duration: float
-    ) -> tuple[Setpoint, FeedForwardMemory]:
+    def step(self, memory: Clock, course: Course, state: State, duration: float) -> tuple[Setpoint, Clock]:
         """Return the motion to fly for the next `duration` (s), and the new memory."""
-        trajectory, now = trajectory_of(course), state.time - memory.start
-        moved = math.sqrt(state.velocity @ state.velocity) * duration
-        s = course.path.project(state.position, memory.progress, reach_of(memory.error, moved))
-        offset = course.path(s) - state.position
-        memory = FeedForwardMemory(s, trajectory(now), memory.start, math.sqrt(offset @ offset))
-        then = now + 0.5 * duration
-        yaw, yaw_rate = look(trajectory, then)
+        clock = tick(memory, course, state, duration)
+        rows, then = clock.reference.rows, clock.since(state) + 0.5 * duration
+        asked = motion(rows, then)
+        ahead = motion(rows, then + self.lead * course.envelope.response_time)
         return Setpoint(
-            position=trajectory(then),
-            velocity=derivative(trajectory, then, 1),
-            acceleration=derivative(trajectory, then + self.lead * course.envelope.response_time, 2),
-            yaw=yaw,
-            yaw_rate=yaw_rate,
-        ), memory
-
-
-def trajectory_of(course: Course) -> Trajectory:
-    """Return the trajectory of a course, or raise InputError."""
-    if course.trajectory is None:
-        message = "feed_forward follows a trajectory, and the course is a path only: add a `planner`"
-        raise InputError("course", [Problem("tracker", message)])
-    return course.trajectory
-
-
-def derivative(trajectory: Trajectory, t: float, order: int) -> Array:
-    """Return a derivative at the time `t` (s), (3,); zero after the end, where the last point is held."""
-    return trajectory(t, order) if t <= trajectory.duration else np.zeros(3)
-
-
-def look(trajectory: Trajectory, t: float) -> tuple[float, float]:
-    """Return yaw (rad) and yaw rate (rad/s) at the time `t` (s), NaN where the trajectory leaves them open."""
-    if not isinstance(trajectory, Facing):
-        return math.nan, math.nan
-    return float(trajectory.yaw(t)), float(trajectory.yaw(t, 1)) if t <= trajectory.duration else 0.0
+            position=np.array(asked[0:3]),
+            velocity=np.array(asked[3:6]),
+            acceleration=np.array(ahead[6:9]),
+            yaw=asked[15],
+            yaw_rate=asked[16],
+        ), clock

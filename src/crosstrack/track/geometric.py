@@ -55,20 +55,20 @@ class Geometric:
 
     where ω_d keeps R_d along f while it changes by f' = p''' + k_p (p' - v). As the vehicle takes the time τ to answer
     a rate, and a command held for the period T is T/2 old on average, the changes are fed forward from t + T/2 + τ.
-    The gains follow from the vehicle: k_R = α / (τ + T/2), k_v = β k_R, k_p = γ k_v².
+    The gains follow from the vehicle: k_R = a / (τ + T/2), k_v = b k_R, k_p = c k_v².
 
-    Sources: Lee, Leok, McClamroch 2010 (CDC, arXiv 1003.2005), eq. 10-16; Faessler, Franchi, Scaramuzza 2018 (RA-L 3(2)),
-    eq. 13-20, for drag and rates in place of torques.
+    Sources: Lee, Leok, McClamroch 2010 (CDC, arXiv 1003.2005), eq. 10-16; Faessler, Franchi, Scaramuzza 2018
+    (RA-L 3(2)), eq. 13-20, for drag and rates in place of torques.
     """
 
     needs = ("trajectory", "attitude")
 
     attitude_gain: Positive = 0.6
-    """1, α, attitude gain times the time the vehicle takes to answer a rate"""
+    """1, a, attitude gain times the time the vehicle takes to answer a rate"""
     velocity_gain: Positive = 0.45
-    """1, β, velocity gain over attitude gain"""
+    """1, b, velocity gain over attitude gain"""
     position_gain: Positive = 0.35
-    """1, γ, position gain over the square of the velocity gain"""
+    """1, c, position gain over the square of the velocity gain"""
 
     def start(self, course: Course, state: State) -> Clock:
         """Begin the trajectory now.
@@ -85,7 +85,7 @@ class Geometric:
         out = np.empty(4)
         steer(
             clock.reference.rows,
-            state.time - clock.began - clock.reference.begin,
+            clock.since(state),
             duration,
             state.position,
             state.velocity,

@@ -74,14 +74,14 @@ def reference(trajectory: Trajectory, heading: float, t: float = 0.0) -> Referen
         heading: rad, the yaw where the trajectory leaves it open
         t: s
     """
-    times = t + SPACING * np.arange(ROWS)
+    times = np.linspace(t, t + (ROWS - 1) * SPACING, ROWS)
     orders = [trajectory(times, order) for order in range(5)]
     moving = ((times >= 0) & (times <= trajectory.duration))[:, None]
     derivatives = [np.where(moving, values, 0.0) for values in orders[1:]]
     if isinstance(trajectory, Facing):
         yaw = [trajectory.yaw(times), np.where(moving[:, 0], trajectory.yaw(times, 1), 0.0)]
     else:
-        yaw = [np.full(ROWS, heading), np.zeros(ROWS)]
+        yaw = [np.full(ROWS, heading), np.full(ROWS, 0.0 * heading)]
     return Reference(trajectory, heading, t, np.column_stack([orders[0], *derivatives, *yaw]))
 
 
