@@ -19,12 +19,18 @@ from crosstrack.track.attitude import (
     rate_along,
     reachable,
 )
-from crosstrack.track.clock import Clock, begin, model_of, tick
+from crosstrack.track.clock import Timed, begin, model_of, tick
 from crosstrack.track.reference import motion
-from crosstrack.types import GRAVITY, Array, Model, Positive, RateSetpoint, State
+from crosstrack.types import GRAVITY, Array, Model, NonNegative, Positive, RateSetpoint, State
 
 YAW_SHARE = 0.4
 """of the attitude gain, that the yaw error is turned with"""
+
+
+INTEGRATED_ERROR = 0.5
+"""m, the most of a position error that is integrated"""
+INTEGRAL = 5.0
+"""m/s², the most that the integral comes to"""
 
 
 class Stiffness(Protocol):
@@ -32,15 +38,23 @@ class Stiffness(Protocol):
 
     @property
     def attitude_gain(self) -> float:
-        """Attitude gain times the time the vehicle takes to answer a rate."""
+        """1, attitude gain times the time the vehicle takes to answer a rate"""
 
     @property
     def velocity_gain(self) -> float:
-        """Velocity gain over attitude gain."""
+        """1/s"""
 
     @property
     def position_gain(self) -> float:
-        """Position gain over the square of the velocity gain."""
+        """1/s²"""
+
+
+@dataclass(frozen=True)
+class GeometricMemory(Timed):
+    """What geometric tracking remembers."""
+
+    push: Array
+    """(3,) m/s², acceleration from outside that the integral has found"""
 
 
 @dataclass(frozen=True)
@@ -50,38 +64,46 @@ class Geometric:
     With position and velocity errors from the trajectory p, the rotation R with columns x_B, y_B, z_B, and the drag
     D(v, R) of the nominal model, the thrust vector, attitude, rates and thrust are
 
-        f = k_p (p - x) + k_v (p' - v) + p'' + g e_z - D,    R_d: z along f, x at the yaw,
+        f = k_p (p - x) + k_v (p' - v) + k_i ∫(p - x) + p'' + g e_z - D,    R_d: z along f, x at the yaw,
         ω = Rᵀ R_d ω_d - k_R e_R,    e_R = ½ (R_dᵀ R - Rᵀ R_d)^∨,    c = f · z_B,
 
     where ω_d keeps R_d along f while it changes by f' = p''' + k_p (p' - v). As the vehicle takes the time τ to answer
     a rate, and a command held for the period T is T/2 old on average, the changes are fed forward from t + T/2 + τ.
-    The gains follow from the vehicle: k_R = a / (τ + T/2), k_v = b k_R, k_p = c k_v².
+    The attitude gain follows from the vehicle: k_R = a / (τ + T/2). Of a position error, 0.5 m at most are integrated,
+    to 5 m/s² at most.
 
     Sources: Lee, Leok, McClamroch 2010 (CDC, arXiv 1003.2005), eq. 10-16; Faessler, Franchi, Scaramuzza 2018
-    (RA-L 3(2)), eq. 13-20, for drag and rates in place of torques.
+    (RA-L 3(2)), eq. 13-20, for drag and rates in place of torques; Goodarzi, Lee, Lee 2013 (ECC, arXiv 1304.6765) for
+    the integral.
     """
 
     needs = ("trajectory", "attitude")
 
     attitude_gain: Positive = 0.6
     """1, a, attitude gain times the time the vehicle takes to answer a rate"""
-    velocity_gain: Positive = 0.45
-    """1, b, velocity gain over attitude gain"""
-    position_gain: Positive = 0.35
-    """1, c, position gain over the square of the velocity gain"""
+    velocity_gain: Positive = 3.5
+    """1/s, k_v, acceleration over velocity error"""
+    position_gain: Positive = 5.0
+    """1/s², k_p, acceleration over position error"""
+    integral_gain: NonNegative = 2.5
+    """1/s³, k_i, acceleration over the integral of the position error; 0 turns it off"""
 
-    def start(self, course: Course, state: State) -> Clock:
+    def start(self, course: Course, state: State) -> GeometricMemory:
         """Begin the trajectory now.
 
         Raises:
             InputError: the course has no trajectory, or the vehicle takes no rates.
         """
         model_of(course)
-        return begin(course, state)
+        return GeometricMemory(begin(course, state), np.zeros(3))
 
-    def step(self, memory: Clock, course: Course, state: State, duration: float) -> tuple[RateSetpoint, Clock]:
+    def step(
+        self, memory: GeometricMemory, course: Course, state: State, duration: float
+    ) -> tuple[RateSetpoint, GeometricMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
-        clock, model = tick(memory, course, state, duration), model_of(course)
+        clock, model = tick(memory.clock, course, state, duration), model_of(course)
+        miss = limited(clock.aim - state.position, INTEGRATED_ERROR)
+        push = limited(memory.push - self.integral_gain * duration * miss, INTEGRAL)
         out = np.empty(4)
         steer(
             clock.reference.rows,
@@ -90,21 +112,26 @@ class Geometric:
             state.position,
             state.velocity,
             state.attitude,
-            np.zeros(3),
+            push,
             gains_of(self, model, duration),
             constants_of(model),
             model.drag,
             model.drag_quadratic,
             out,
         )
-        return RateSetpoint(out[:3], float(out[3])), clock
+        return RateSetpoint(out[:3], float(out[3])), GeometricMemory(clock, push)
+
+
+def limited(vector: Array, most: float) -> Array:
+    """Return the vector, shortened to the length `most` where it is longer."""
+    norm = math.sqrt(vector @ vector)
+    return vector * (most / norm) if norm > most else vector
 
 
 def gains_of(law: Stiffness, model: Model, duration: float) -> tuple[float, float, float]:
     """Return the gains of position (1/s²), velocity (1/s) and attitude (1/s) for a vehicle asked every `duration` s."""
     attitude = law.attitude_gain / (model.rate_time + 0.5 * duration)
-    velocity = law.velocity_gain * attitude
-    return law.position_gain * velocity**2, velocity, attitude
+    return law.position_gain, law.velocity_gain, attitude
 
 
 def constants_of(model: Model) -> tuple[float, float, float, float, float, float]:
