@@ -135,6 +135,11 @@ def test_an_independent_decoder_reads_the_rest(flight: Flight, decoded: Messages
     np.testing.assert_array_equal(asked, record.command_velocity)
     asked = column(decoded, "/command/acceleration", lambda m: xyz(m.accel.linear))
     np.testing.assert_array_equal(asked, record.command_acceleration)
+    asked = column(decoded, "/command/rate", lambda m: xyz(m.vector))
+    np.testing.assert_array_equal(asked, record.command_rate)
+    asked = column(decoded, "/command/attitude", lambda m: [*xyz(m.quaternion), m.quaternion.w])
+    np.testing.assert_array_equal(asked, record.command_attitude)
+    np.testing.assert_array_equal(column(decoded, "/command/thrust", lambda m: m.data), record.command_thrust)
     np.testing.assert_array_equal(column(decoded, "/tracker/aim", lambda m: xyz(m.point)), record.aim)
     np.testing.assert_array_equal(column(decoded, "/wind", lambda m: xyz(m.vector)), record.wind)
     for name, values in {"progress": record.progress, "clearance": record.clearance, "time": record.time}.items():
@@ -176,7 +181,7 @@ def test_the_index_counts_and_finds_every_message(flight: Flight, log: Path) -> 
     counts = summary.statistics.channel_message_counts
     assert {counts[topics[name]] for name in ("/route", "/course", "/world")} == {1}
     assert {counts[number] for name, number in topics.items() if name not in ("/route", "/course", "/world")} == {count}
-    assert summary.statistics.message_count == sum(counts.values()) == 12 * count + 3
+    assert summary.statistics.message_count == sum(counts.values()) == 15 * count + 3
     assert summary.statistics.message_end_time == round(flight.record.time[-1] * 1e9)
     data = log.read_bytes()
     assert sum(indexed(data, chunk) for chunk in summary.chunk_indexes) == summary.statistics.message_count

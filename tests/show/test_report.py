@@ -155,6 +155,8 @@ def test_panels_without_rotors_wind_or_obstacles(flight: Flight) -> None:
         rotor_speeds=np.empty((count, 0)),
         wind=np.zeros((count, 3)),
         clearance=np.full(count, np.inf),
+        command_rate=np.full((count, 3), np.nan),
+        command_thrust=np.full(count, np.nan),
     )
     shown = panels(replace(flight, record=bare), flight.cross_track)
     assert [panel.title for panel in shown] == ["Cross-track error", "Speed", "Height", "Tilt"]

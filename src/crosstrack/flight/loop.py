@@ -14,7 +14,7 @@ from crosstrack.flight.flight import Flight
 from crosstrack.flight.observer import Observer, Sample, collect
 from crosstrack.flight.plan import Plan
 from crosstrack.protocols import Session
-from crosstrack.types import Array, Command, Outcome, Setpoint, State
+from crosstrack.types import Array, AttitudeSetpoint, Command, Outcome, RateSetpoint, Setpoint, State
 
 PATIENCE = 10.0
 """s without progress after which a vehicle counts as stuck"""
@@ -22,6 +22,9 @@ CRAWL = 0.05
 """of the progress planned: less is none"""
 UPSIDE_DOWN = 0.0
 """least cosine of the tilt of a vehicle under control"""
+OPEN = Setpoint()
+"""all left to the vehicle"""
+NO_ATTITUDE = np.full(4, np.nan)
 
 
 def fly(plan: Plan, observers: Sequence[Observer] = ()) -> Flight:
@@ -83,7 +86,8 @@ def steps(plan: Plan, session: Session, rows: list[Sample], observers: Sequence[
 
 def sampled(truth: State, estimate: State, command: Command, memory: Any, wind: Array, clearance: float) -> Sample:
     """Return the row of a record."""
-    motion = command if isinstance(command, Setpoint) else Setpoint()
+    motion = command if isinstance(command, Setpoint) else OPEN
+    thrust = math.nan if isinstance(command, Setpoint) else command.thrust
     return Sample(
         time=truth.time,
         position=truth.position,
@@ -94,6 +98,9 @@ def sampled(truth: State, estimate: State, command: Command, memory: Any, wind: 
         estimate=estimate.position,
         command_velocity=motion.velocity,
         command_acceleration=motion.acceleration,
+        command_attitude=command.attitude if isinstance(command, AttitudeSetpoint) else NO_ATTITUDE,
+        command_rate=command.rate if isinstance(command, RateSetpoint) else OPEN.velocity,
+        command_thrust=thrust,
         aim=memory.aim,
         progress=memory.progress,
         wind=wind,

@@ -19,6 +19,7 @@ FIELDS: dict[str, str] = {
     "geometry_msgs/AccelStamped": "std_msgs/Header header\ngeometry_msgs/Accel accel",
     "geometry_msgs/PointStamped": "std_msgs/Header header\ngeometry_msgs/Point point",
     "geometry_msgs/Vector3Stamped": "std_msgs/Header header\ngeometry_msgs/Vector3 vector",
+    "geometry_msgs/QuaternionStamped": "std_msgs/Header header\ngeometry_msgs/Quaternion quaternion",
     "geometry_msgs/Transform": "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
     "geometry_msgs/TransformStamped": (
         "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform"

@@ -33,6 +33,12 @@ class Sample:
     """(3,) m/s; NaN where left to the vehicle"""
     command_acceleration: Array
     """(3,) m/s²; NaN where left to the vehicle"""
+    command_attitude: Array
+    """(4,) xyzw; NaN where left to the vehicle"""
+    command_rate: Array
+    """(3,) rad/s, body; NaN where left to the vehicle"""
+    command_thrust: float
+    """m/s², thrust over mass; NaN where left to the vehicle"""
     aim: Array
     """(3,) m, the point chased"""
     progress: float

@@ -27,6 +27,12 @@ class Record:
     """(n, 3) m/s, velocity asked for until this row; NaN where left to the vehicle"""
     command_acceleration: Array
     """(n, 3) m/s², acceleration asked for until this row; NaN where left to the vehicle"""
+    command_attitude: Array
+    """(n, 4) xyzw, attitude asked for until this row; NaN where left to the vehicle"""
+    command_rate: Array
+    """(n, 3) rad/s, body rate asked for until this row; NaN where left to the vehicle"""
+    command_thrust: Array
+    """(n,) m/s², thrust over mass asked for until this row; NaN where left to the vehicle"""
     aim: Array
     """(n, 3) m, the point chased until this row"""
     progress: Array

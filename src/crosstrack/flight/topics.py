@@ -53,12 +53,12 @@ def number(column: str) -> Callable[[int], Builder]:
     return layout
 
 
-def vector(column: str, zeros: int = 0) -> Callable[[int], Builder]:
-    """Lay out a header, three numbers, and zeros behind them (PointStamped, Vector3Stamped, TwistStamped)."""
+def vector(column: str, zeros: int = 0, size: int = 3, frame: str = WORLD) -> Callable[[int], Builder]:
+    """Lay out a header, numbers, and zeros behind them (PointStamped, TwistStamped, QuaternionStamped, ...)."""
 
     def layout(_: int) -> Builder:
-        message = header()
-        message.slot(column, "<f8", 3)
+        message = header(frame)
+        message.slot(column, "<f8", size)
         message.array(np.zeros(zeros))
         return message
 
@@ -116,6 +116,14 @@ TOPICS = (
         vector("command_acceleration", 3),
         ("command_acceleration",),
     ),
+    Topic(
+        "/command/attitude",
+        "geometry_msgs/QuaternionStamped",
+        vector("command_attitude", size=4),
+        ("command_attitude",),
+    ),
+    Topic("/command/rate", "geometry_msgs/Vector3Stamped", vector("command_rate", frame=BODY), ("command_rate",)),
+    Topic("/command/thrust", "std_msgs/Float64", number("command_thrust"), ("command_thrust",)),
     Topic("/tracker/aim", "geometry_msgs/PointStamped", vector("aim"), ("aim",)),
     Topic("/tracker/progress", "std_msgs/Float64", number("progress"), ("progress",)),
     Topic("/wind", "geometry_msgs/Vector3Stamped", vector("wind"), ("wind",)),

@@ -76,6 +76,7 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
         height(flight),
         *accelerated(flight),
         *tilted(flight),
+        *commanded(flight),
         *rotors(flight),
         *clearance(flight),
         *wind(flight),
@@ -131,6 +132,17 @@ def tilted(flight: Flight) -> Iterator[Panel]:
     angle = np.degrees(tilt(flight.record.attitude))
     if (angle > 0).any():
         yield Panel("Tilt", "°", (Series("tilt", angle),))
+
+
+def commanded(flight: Flight) -> Iterator[Panel]:
+    """Yield the thrust and the body rate asked for, where the tracker asks for them."""
+    record = flight.record
+    if np.isfinite(record.command_thrust).any():
+        yield Panel("Thrust over mass", "m/s²", (Series("asked for", record.command_thrust, "asked"),))
+    asked = np.linalg.norm(record.command_rate, axis=1)
+    if np.isfinite(asked).any():
+        flown = np.linalg.norm(record.rate, axis=1)
+        yield Panel("Body rate", "rad/s", (Series("flown", flown), Series("asked for", asked, "asked")))
 
 
 def rotors(flight: Flight) -> Iterator[Panel]:
