@@ -2,52 +2,21 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from flights import plan_for
+from flights import lag, plan_along, plan_for, rms, tour
 
 from crosstrack.errors import InputError
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.loop import fly
-from crosstrack.flight.plan import Plan
 from crosstrack.follow.carrot import Carrot
-from crosstrack.path.pace import course_of
 from crosstrack.track.feed_forward import FeedForward
 from crosstrack.trajectory.flatness.yaw import Faced, Fixed, along_velocity
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.types import Array, Limits, Outcome, State, Wind
+from crosstrack.types import Array, Outcome, State, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
-
-FAST = Limits(speed=14.0, acceleration=20.0, tilt_deg=65.0)
-TOUR = np.array([[0.0, 0, 10], [15, 0, 10], [25, 12, 14], [10, 20, 12], [-5, 10, 10], [0, -10, 11], [20, -10, 10]])
-
-
-def tour(speed: float, points: Array = TOUR) -> PiecewisePolynomial:
-    """Minimum snap through points with a top speed (m/s)."""
-    times = np.linalg.norm(np.diff(points, axis=0), axis=1) * 1.0
-    times[[0, -1]] *= 1.6
-    curve = minimum(points, np.concatenate([[0.0], np.cumsum(times)]), 4)
-    top = float(np.linalg.norm(curve(np.linspace(0, curve.duration, 2000), 1), axis=1).max())
-    return minimum(points, curve.knots * (top / speed), 4)
-
-
-def plan_along(curve: Any, tracker: Any = None, **options: Any) -> Plan:
-    route = curve(np.linspace(0, curve.duration, 300))
-    plan = plan_for(route, tracker=tracker or FeedForward(), limits=FAST, **options)
-    return replace(plan, course=course_of(curve, plan.course.envelope))
-
-
-def lag(flight: Flight, curve: Any) -> Array:
-    """Return the distances (n,) m to where the trajectory is at each time."""
-    record = flight.record
-    return np.asarray(np.linalg.norm(record.position - curve(record.time - record.time[0]), axis=1))
-
-
-def rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))
 
 
 def beside(flight: Flight) -> Array:

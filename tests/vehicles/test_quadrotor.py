@@ -7,11 +7,22 @@ from typing import Any
 import numpy as np
 import pytest
 from flights import OpenSky, flown, plan_for
+from scipy.spatial.transform import Rotation
 
 from crosstrack.errors import InputError
 from crosstrack.flight.loop import fly
 from crosstrack.sim.airframe import AIRFRAMES
-from crosstrack.types import Air, AttitudeSetpoint, Limits, Outcome, RateSetpoint, Setpoint, Wind
+from crosstrack.types import (
+    GRAVITY,
+    Air,
+    AttitudeSetpoint,
+    Limits,
+    Mismatch,
+    Outcome,
+    RateSetpoint,
+    Setpoint,
+    Wind,
+)
 from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
 
 HERE = [[0, 0, 10], [50, 0, 10]]
@@ -156,3 +167,65 @@ def test_a_fall_is_a_crash() -> None:
 def test_the_ground_may_be_anywhere() -> None:
     flight = fly(plan_for([[0, 0, 52], [5, 0, 52]], world=OpenSky(ground=50.0), speed=2.0))
     assert flight.outcome is Outcome.ARRIVED
+
+
+def test_a_payload_is_carried_at_the_thrust_it_weighs() -> None:
+    """Thrust asked for per nominal mass: with a fifth more, the same thrust accelerates 1/1.2 as much."""
+    plan = plan_for([[0, 0, 10], [9, 0, 10]])
+    session = plan.vehicle.launch(replace(plan.scenario, mismatch=Mismatch(mass=1.2)))
+    level = session.truth().attitude
+    for _ in range(10):
+        session.advance(AttitudeSetpoint(level, 1.2 * GRAVITY), 0.02)
+    assert session.truth().velocity[2] == pytest.approx(0, abs=0.02)
+    for _ in range(10):
+        session.advance(AttitudeSetpoint(level, 1.5 * GRAVITY), 0.02)
+    before = session.truth().velocity[2]
+    session.advance(AttitudeSetpoint(level, 1.5 * GRAVITY), 0.02)
+    gained = (session.truth().velocity[2] - before) / 0.02
+    drag = 0.1099301 * 1.225 * before**2 / 1.2
+    assert gained == pytest.approx((1.5 / 1.2 - 1) * GRAVITY - drag, rel=0.02)
+
+
+def test_drag_grows_by_the_mismatch() -> None:
+    """At a steady speed on a level the tangent of the tilt is the drag over the weight."""
+    slow = {}
+    for factor in (1.0, 1.5):
+        plan = plan_for([[0, 0, 50], [9, 0, 50]], vehicle=Quadrotor(airframe="racer"), limits=Limits(tilt_deg=60.0))
+        session = plan.vehicle.launch(replace(plan.scenario, mismatch=Mismatch(drag=factor)))
+        for _ in range(400):
+            session.advance(Setpoint(velocity=np.array([6.0, 0, 0]), yaw=0.0), 0.02)
+        tilt = Rotation.from_quat(session.truth().attitude).as_euler("ZYX")[1]
+        slow[factor] = GRAVITY * math.tan(tilt)
+    assert slow[1.5] / slow[1.0] == pytest.approx(1.5, rel=0.03)
+
+
+def test_slow_motors_answer_later() -> None:
+    speeds = {}
+    for factor in (1.0, 3.0):
+        plan = plan_for([[0, 0, 10], [9, 0, 10]], vehicle=Quadrotor(airframe="crazyflie"))
+        session = plan.vehicle.launch(replace(plan.scenario, mismatch=Mismatch(motor_time=factor)))
+        hover = session.truth().rotor_speeds.mean()
+        session.advance(RateSetpoint(np.zeros(3), 1.4 * GRAVITY), 0.05)
+        speeds[factor] = session.truth().rotor_speeds.mean() - hover
+    end = hover * (math.sqrt(1.4) - 1)
+    assert speeds[1.0] == pytest.approx(end * (1 - math.exp(-1)), rel=0.01)
+    assert speeds[3.0] == pytest.approx(end * (1 - math.exp(-1 / 3)), rel=0.01)
+
+
+def test_what_a_tracker_may_know_is_what_the_vehicle_does() -> None:
+    """Thrust and drag of the model against flights in which nothing is mismatched."""
+    plan = plan_for([[0, 0, 50], [9, 0, 50]], vehicle=Quadrotor(airframe="racer"), limits=Limits(tilt_deg=60.0))
+    model = plan.course.envelope.model
+    assert model is not None
+    session = plan.vehicle.launch(plan.scenario)
+    hover = session.truth().rotor_speeds
+    assert model.thrust_factor * (hover @ hover) == pytest.approx(GRAVITY)
+    for _ in range(400):
+        session.advance(Setpoint(velocity=np.array([8.0, 0, 0]), yaw=0.0), 0.02)
+    state = session.truth()
+    turn = Rotation.from_quat(state.attitude)
+    thrust = model.thrust_factor * (state.rotor_speeds @ state.rotor_speeds)
+    air = turn.inv().apply(state.velocity)
+    drag = -(model.drag * math.sqrt(thrust / GRAVITY) + model.drag_quadratic * np.abs(air)) * air
+    total = turn.apply(drag + [0, 0, thrust]) - [0, 0, GRAVITY]
+    np.testing.assert_allclose(total, 0, atol=0.03)

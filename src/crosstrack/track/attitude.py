@@ -75,19 +75,20 @@ def reachable(fx: float, fy: float, fz: float, least: float, most: float, tilt: 
 
 @compiled
 def axes_for(f: Triple, yaw: float) -> Axes:
-    """Return the body axes whose z points along a force, with x in the vertical plane of a yaw (rad) as seen from y.
+    """Return the body axes whose z points along a force, with the horizontal part of x along a yaw (rad).
 
-    x_C = (cos ψ, sin ψ, 0), y_B = unit(z_B × x_C), x_B = y_B × z_B (Mellinger, Kumar 2011, section III).
+    y_C = (-sin ψ, cos ψ, 0), x_B = unit(y_C × z_B), y_B = z_B × x_B (Faessler, Franchi, Scaramuzza 2018, eq. 13-15).
     """
     inverse = 1.0 / math.sqrt(dot(f, f))
     z = (f[0] * inverse, f[1] * inverse, f[2] * inverse)
     c, s = math.cos(yaw), math.sin(yaw)
-    yx, yy, yz = -z[2] * s, z[2] * c, z[0] * s - z[1] * c
-    inverse = 1.0 / math.sqrt(max(1e-12, yx * yx + yy * yy + yz * yz))
-    y = (yx * inverse, yy * inverse, yz * inverse)
+    xx, xy, xz = c * z[2], s * z[2], -s * z[1] - c * z[0]
+    inverse = 1.0 / math.sqrt(max(1e-12, xx * xx + xy * xy + xz * xz))
+    x = (xx * inverse, xy * inverse, xz * inverse)
     return (
-        y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0],
-        y[0], y[1], y[2], z[0], z[1], z[2],
+        x[0], x[1], x[2],
+        z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0],
+        z[0], z[1], z[2],
     )  # fmt: skip
 
 
@@ -95,15 +96,15 @@ def axes_for(f: Triple, yaw: float) -> Axes:
 def rate_along(axes: Axes, f: Triple, change: Triple, yaw: float, yaw_rate: float) -> Triple:
     """Return the body rates (rad/s) that keep z along a force (m/s²) that changes (m/s³), and x at a yaw (rad).
 
-    ω_x = -y_B · f' / |f|,  ω_y = x_B · f' / |f|,  ω_z = (ω_x z_B · x_C + ψ' y_B · y_C) / (x_B · x_C), the last from
-    y_B · x_C = 0 at all times.
+    ω_x = -y_B · f' / |f|,  ω_y = x_B · f' / |f|,  ω_z = (ω_y z_B · y_C + ψ' x_B · x_C) / (y_B · y_C), the last from
+    x_B · y_C = 0 at all times.
     """
     x, y, z = axes[0:3], axes[3:6], axes[6:9]
     inverse = 1.0 / math.sqrt(dot(f, f))
     wx, wy = -dot(y, change) * inverse, dot(x, change) * inverse
     c, s = math.cos(yaw), math.sin(yaw)
-    ahead = x[0] * c + x[1] * s
-    wz = (wx * (z[0] * c + z[1] * s) + yaw_rate * (y[1] * c - y[0] * s)) / ahead if ahead > 1e-3 else 0.0
+    beside = y[1] * c - y[0] * s
+    wz = (wy * (z[1] * c - z[0] * s) + yaw_rate * (x[0] * c + x[1] * s)) / beside if beside > 1e-3 else 0.0
     return wx, wy, wz
 
 
