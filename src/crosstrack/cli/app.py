@@ -16,7 +16,8 @@ app = App(
     name="crosstrack",
     version=__version__,
     help="Fly quadrotor missions: plan, smooth, track, avoid, show.",
-    help_epilogue="Exit codes: 0 done (arrived), 2 bad input, 3 not arrived, 4 collided, 5 link lost, 130 interrupted.",
+    help_epilogue="Exit codes: 0 done (arrived), 2 bad input, 3 not arrived, 4 collided, 5 link lost, 6 flights of a "
+    "comparison lost to errors, 130 interrupted.",
 )
 Settings = Annotated[list[str], Parameter(name="--set", negative=())]
 Trajectory = Annotated[Path | None, Parameter(name="--from")]
@@ -74,6 +75,89 @@ def plan(
     from crosstrack.cli import planning
 
     return planning.plan(mission, trajectory, out, settings or [], json)
+
+
+@app.command
+def compare(
+    *mission: Path,
+    trackers: Annotated[list[str] | None, Parameter(negative=())] = None,
+    wind: Annotated[list[str] | None, Parameter(negative=(), allow_leading_hyphen=True)] = None,
+    seeds: int = 1,
+    workers: int | None = None,
+    cluster: str | None = None,
+    out: Path | None = None,
+    settings: Settings | None = None,
+    json: Switch = False,
+    png: Switch = False,
+) -> int:
+    """Fly missions with several trackers, winds and seeds side by side; rank the trackers.
+
+    Results are kept as they come: after an interruption the same command flies what is missing.
+
+    Args:
+        mission: the mission files
+        trackers: such as carrot,carrot:lookahead=2,mission, the last being the mission's own; by default all that can
+            fly the missions
+        wind: the velocity of the air as E,N,U or E,N,U,GUSTS (m/s; gusts none, light, moderate or severe), or calm; by
+            default the mission's own; may be given several times
+        seeds: how many, from that of the mission on
+        workers: how many flights at once; by default one for every core
+        cluster: the address of a Ray cluster to fly on instead, such as 10.0.0.1:6379
+        out: folder for results.jsonl, results.csv and comparison.html; by default runs/compare
+        settings: change one value of every mission, such as speed=3; may be given several times
+        json: print the rankings on standard output, and nothing else there
+        png: write the picture comparison.png too
+    """
+    from crosstrack.cli import comparing
+
+    runner = comparing.runner_for(workers, cluster)
+    return comparing.compare(mission, trackers or [], wind or [], seeds, runner, out, settings or [], json, png)
+
+
+@app.command
+def tune(
+    mission: Path,
+    *,
+    tracker: str | None = None,
+    parameter: Annotated[list[str] | None, Parameter(negative=())] = None,
+    cost: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    seeds: int | None = None,
+    budget: int = 300,
+    wind: Annotated[list[str] | None, Parameter(negative=(), allow_leading_hyphen=True)] = None,
+    workers: int | None = None,
+    cluster: str | None = None,
+    out: Path | None = None,
+    settings: Settings | None = None,
+    json: Switch = False,
+) -> int:
+    """Find the parameters of a tracker with which a mission is flown best; write the mission with them.
+
+    A flight that does not arrive costs more than any that does. The present values are kept unless others are better.
+
+    Args:
+        mission: the mission file
+        tracker: the kind to tune, with its defaults to begin with; by default the mission's own, as it is
+        parameter: a parameter to search, as NAME or NAME=LOW:HIGH; by default all positive ones, each from a fifth to
+            five times its present value; may be given several times
+        cost: what to minimise, as [NUMBER*]METRIC [+ ...], averaged over seeds and winds; by default tracking_rms_m for
+            a tracker of trajectories, cross_track_rms_captured_m for others
+        seeds: how many to tune on, from that of the mission on, and as many after them to check with; by default 3
+            where the seed makes a difference
+        budget: flights at most
+        wind: as for compare; may be given several times
+        workers: how many flights at once; by default one for every core
+        cluster: the address of a Ray cluster to fly on instead, such as 10.0.0.1:6379
+        out: the mission to write, with a page of the flights before and after beside it; by default
+            runs/tune/NAME.yaml
+        settings: change one value of the mission, such as speed=3; may be given several times
+        json: print what was found on standard output, and nothing else there
+    """
+    from crosstrack.cli import comparing, tuning
+
+    runner = comparing.runner_for(workers, cluster)
+    return tuning.run(
+        *(mission, tracker, parameter or [], cost, wind or [], seeds, budget, runner, out, settings or [], json)
+    )
 
 
 @app.command

@@ -7,14 +7,17 @@ from typing import Any
 
 from plotly.offline import get_plotlyjs
 
+from crosstrack.campaign.ranking import Loss
 from crosstrack.show.comparison_figures import boxes, plan_view, speeds, times
-from crosstrack.show.comparison_flights import Flown, Group, Look, flown, groups, looks
-from crosstrack.show.comparison_table import COLUMNS, Standing, short, standings
+from crosstrack.show.comparison_flights import Flown, Group, Look, flown, groups, looks, weather
+from crosstrack.show.comparison_table import BROKEN, HEADINGS, Standing, failures, standings
 from crosstrack.show.report import environment, script_safe
 from crosstrack.show.traces import Figure
 
 DRAWN = 100_000
 """samples of all flights drawn, about: each is kept in 50 bytes"""
+FEW = 3
+"""missions that a title names"""
 LISTED = 200
 """flights that failed that are listed"""
 STROKES = {"solid": "", "dash": "7 4", "dot": "2 3", "dashdot": "8 3 2 3"}
@@ -31,34 +34,34 @@ class Section:
     note: str
 
 
-def comparison_page(results: Sequence[Mapping[str, Any]], path: str | Path) -> Path:
+def comparison_page(results: Sequence[Mapping[str, Any]], path: str | Path, losses: Sequence[Loss] = ()) -> Path:
     """Write the page of a comparison and return its path.
 
     Args:
         results: of flights: labels (mission, tracker, wind, seed), summary, trace and route; may be none
         path: the HTML file; its folder is made where it is missing
+        losses: flights of which there is only an error
 
     Raises:
         OSError: the file cannot be written.
     """
     path, flights = Path(path), flown(results)
-    found, known = groups(flights), looks(flights)
+    found, failed = groups(flights), failures(flights, losses)
+    known = looks([*(flight.tracker for flight in flights), *(loss.labels["tracker"] for loss in losses)])
     rows = max(40, DRAWN // max(1, sum(len({flight.tracker for flight in group.flights}) for group in found)))
-    lost = [flight for flight in flights if not flight.arrived]
     text = (
         environment()
         .get_template("comparison.html")
         .render(
-            title=", ".join(dict.fromkeys(flight.mission for flight in flights)) or "Nothing flown",
-            sentence=sentence(flights),
-            headings=[heading for _, heading, _ in COLUMNS],
-            overall=standings(flights),
-            sections=[section(group, found) for group in found],
+            title=title(flights),
+            sentence=sentence(flights, losses),
+            headings=HEADINGS,
+            overall=standings(flights, losses),
+            sections=[section(group, found, losses) for group in found],
             looks=known,
             strokes=STROKES,
-            lost=lost[:LISTED],
-            unlisted=len(lost[LISTED:]),
-            short=short,
+            failures=failed[:LISTED],
+            unlisted=len(failed[LISTED:]),
             plotly=get_plotlyjs() if flights else "",
             data=script_safe({"groups": [drawn(group, flights, known, rows) for group in found]}),
         )
@@ -68,16 +71,23 @@ def comparison_page(results: Sequence[Mapping[str, Any]], path: str | Path) -> P
     return path
 
 
-def sentence(flights: Sequence[Flown]) -> str:
+def title(flights: Sequence[Flown]) -> str:
+    """Return the names of a few missions, or how many there are."""
+    names = list(dict.fromkeys(flight.mission for flight in flights))
+    return ", ".join(names) or "Nothing flown" if len(names) <= FEW else counted(len(names), "mission")
+
+
+def sentence(flights: Sequence[Flown], losses: Sequence[Loss]) -> str:
     """Return what was compared, in numbers."""
+    broken = f" {counted(len(losses), 'flight')} {BROKEN}." if losses else ""
     if not flights:
-        return "No flight came back: there is nothing to compare."
+        return f"No flight came back: there is nothing to compare.{broken}"
     kinds = [
         counted(len({getattr(flight, name) for flight in flights}), word)
         for name, word in (("tracker", "tracker"), ("mission", "mission"), ("wind", "wind"), ("seed", "seed"))
     ]
     arrived = sum(flight.arrived for flight in flights)
-    return f"{counted(len(flights), 'flight')} of {', '.join(kinds)}; {arrived} arrived."
+    return f"{counted(len(flights), 'flight')} of {', '.join(kinds)}; {arrived} arrived.{broken}"
 
 
 def counted(count: int, word: str) -> str:
@@ -85,16 +95,17 @@ def counted(count: int, word: str) -> str:
     return f"{count} {word}{'' if count == 1 else 's'}"
 
 
-def section(group: Group, found: Sequence[Group]) -> Section:
+def section(group: Group, found: Sequence[Group], losses: Sequence[Loss]) -> Section:
     """Return what the page shows of a group beside its figures."""
     several = len({other.wind for other in found}) > 1
-    title = f"{group.mission}, wind {group.wind}" if several else group.mission
+    name = f"{group.mission}, {weather(group.wind)}" if several else group.mission
     seeds = len({flight.seed for flight in group.flights})
-    note = (
-        f"Of {counted(seeds, 'seed')}, the flight in the middle of each tracker is drawn, from best to worst by "
-        "arrival and error; crosses mark where flights ended that did not arrive, from any seed."
-    )
-    return Section(title, standings(group.flights), note)
+    middle = f"Of the {seeds} seeds of each tracker, the flight in the middle from best to worst is drawn. "
+    crosses = "Crosses mark where flights ended that did not arrive, from any seed."
+    lost = any(not flight.arrived for flight in group.flights)
+    note = (middle if seeds > 1 else "") + (crosses if lost else "")
+    mine = [loss for loss in losses if (loss.labels["mission"], loss.labels["wind"]) == (group.mission, group.wind)]
+    return Section(name, standings(group.flights, mine), note)
 
 
 def drawn(group: Group, flights: Sequence[Flown], known: Mapping[str, Look], rows: int) -> dict[str, Figure | None]:
@@ -105,6 +116,6 @@ def drawn(group: Group, flights: Sequence[Flown], known: Mapping[str, Look], row
         "plan": plan_view(group, known, rows),
         "times": times(group, known, rows),
         "speeds": speeds(group, known),
-        "boxes": boxes(mission, known, order, CAPTURED, "cross-track error, RMS once captured (m)"),
-        "tracking": boxes(mission, known, order, TRACKING, "distance to the trajectory's point, RMS (m)"),
+        "boxes": boxes(mission, known, order, CAPTURED, "RMS once captured (m)"),
+        "tracking": boxes(mission, known, order, TRACKING, "RMS distance to its point (m)"),
     }

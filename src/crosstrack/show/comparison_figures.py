@@ -44,7 +44,12 @@ def plan_view(group: Group, looks: Looks, rows: int) -> Figure:
     ]
     if lost:
         traces.append(mark("ended here", np.full((1, 3), np.nan), {"size": 10, "color": INK, "symbol": "x"}))
-    return {"data": traces, "layout": plan_layout(box)}
+    across, along = (box[1] - box[0])[:2]
+    height = 130 + 480 * min(1.0, max(0.25, float(along / across)))
+    layout = plan_layout(box) | {"height": round(height)}
+    layout["margin"] |= {"b": 84}
+    layout["legend"] = {"orientation": "h", "yref": "container", "y": 0, "yanchor": "bottom", "x": 0}
+    return {"data": traces, "layout": layout}
 
 
 def ends(look: Look, lost: Sequence[Flown]) -> Figure:
@@ -154,7 +159,8 @@ def boxes(flights: Sequence[Flown], looks: Looks, order: Sequence[str], metric: 
     log = min(values) > 0 and max(values) > WIDE * min(values)
     across = {"title": {"text": title}, **({"type": "log", "dtick": "D2"} if log else {"rangemode": "tozero"})}
     layout = axes(across, {"automargin": True, "autorange": "reversed", "type": "category", "ticks": ""})
-    return {"data": traces, "layout": layout | {"height": 90 + 46 * len(traces)}}
+    lines = max(trace["name"].count("<br>") for trace in traces) + 1
+    return {"data": traces, "layout": layout | {"height": 90 + max(46, 18 * lines + 10) * len(traces)}}
 
 
 def box(look: Look, shown: Sequence[Flown], count: int, metric: str) -> Figure:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crosstrack.campaign.words import CALM, OWN
 from crosstrack.types import Array
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1E293B")
@@ -54,6 +55,11 @@ class Flown:
         return bool(self.summary["arrived"])
 
     @property
+    def labels(self) -> dict[str, Any]:
+        """What it is filed under."""
+        return {"mission": self.mission, "tracker": self.tracker, "wind": self.wind, "seed": self.seed}
+
+    @property
     def end(self) -> Array:
         """The last finite position, (3,) m."""
         finite = self.position[np.isfinite(self.position).all(axis=1)]
@@ -62,7 +68,12 @@ class Flown:
     @property
     def case(self) -> str:
         """The wind and the seed, as a text."""
-        return f"wind {self.wind}, seed {self.seed}"
+        return f"{weather(self.wind)}, seed {self.seed}"
+
+
+def weather(wind: str) -> str:
+    """Return the word for a wind as a text."""
+    return "its own wind" if wind == OWN else wind if wind == CALM else f"wind {wind}"
 
 
 @dataclass(frozen=True)
@@ -115,9 +126,9 @@ def one(result: Mapping[str, Any]) -> Flown:
     )
 
 
-def looks(flights: Sequence[Flown]) -> dict[str, Look]:
+def looks(trackers: Sequence[str]) -> dict[str, Look]:
     """Return the look of every tracker, in the order in which they come up."""
-    names = dict.fromkeys(flight.tracker for flight in flights)
+    names = dict.fromkeys(trackers)
     pairs = [(color, dash) for dash, color in product(DASHES, COLORS)]
     return {name: Look(index, name, *pairs[index % len(pairs)]) for index, name in enumerate(names)}
 

@@ -1,23 +1,27 @@
 """The ranked tables of a comparison, written out."""
 
+import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from statistics import median
+from typing import Any
 
+from crosstrack.campaign.ranking import Loss, Row, Spread, ranking, spread
 from crosstrack.show.comparison_flights import Flown
 from crosstrack.show.words import NOTHING
 from crosstrack.types import Outcome
 
-COLUMNS = (
-    ("cross_track_rms_captured_m", "cross-track RMS, captured (m)", ".3f"),
-    ("cross_track_max_captured_m", "largest error, captured (m)", ".3f"),
-    ("tracking_rms_m", "tracking RMS (m)", ".3f"),
-    ("time_ratio", "flight time over planned", ".3f"),
-    ("rms_jerk_mps3", "jerk, RMS (m/s³)", ".1f"),
+HEADINGS = (
+    "cross-track RMS, captured (m)",
+    "largest error, captured (m)",
+    "tracking RMS (m)",
+    "flight time over planned",
+    "jerk, RMS (m/s³)",
 )
-"""metric, heading and number format"""
-SHORT = {Outcome.TIMED_OUT: "out of time", Outcome.LEFT_BOUNDS: "out of bounds", Outcome.FAILED: "program error"}
+SHORT = {Outcome.TIMED_OUT: "out of time", Outcome.LEFT_BOUNDS: "out of bounds"}
+BROKEN = "broken by an error"
+LETTERS = 500
+"""of an error that are shown"""
 
 
 @dataclass(frozen=True)
@@ -30,32 +34,47 @@ class Standing:
     failures: str
     """how many did not arrive, and why; empty where all did"""
     numbers: tuple[tuple[str, str], ...]
-    """of every column: median, and least to greatest where they differ"""
+    """of every heading: median, and least to greatest where they differ"""
 
 
-def standings(flights: Sequence[Flown]) -> list[Standing]:
-    """Return the trackers from best to worst: by arrivals, then by the median error once captured."""
-    names = list(dict.fromkeys(flight.tracker for flight in flights))
-    by = {name: [flight for flight in flights if flight.tracker == name] for name in names}
-    ordered = sorted(names, key=lambda name: worth(by[name]))
-    return [standing(rank, name, by[name]) for rank, name in enumerate(ordered, 1)]
+@dataclass(frozen=True)
+class Failure:
+    """A flight that did not arrive."""
+
+    labels: Mapping[str, Any]
+    """mission, tracker, wind, seed"""
+    outcome: str
+    """key of the outcome"""
+    ended: str
+    """the same in words, or the error"""
+    after: str
+    """time of flight with its unit; empty where that is not known"""
 
 
-def worth(mine: Sequence[Flown]) -> tuple[float, float]:
-    """Return what trackers are ordered by."""
-    errors = values(mine, "cross_track_rms_captured_m")
-    return -sum(flight.arrived for flight in mine) / len(mine), median(errors) if errors else float("inf")
+def standings(flights: Sequence[Flown], losses: Sequence[Loss] = ()) -> list[Standing]:
+    """Return the trackers from best to worst, see `campaign.ranking`."""
+    results = [{"labels": {"tracker": flight.tracker}, "summary": flight.summary} for flight in flights]
+    return [standing(rank, row, flights) for rank, row in enumerate(ranking(results, losses), 1)]
 
 
-def standing(rank: int, name: str, mine: Sequence[Flown]) -> Standing:
+def standing(rank: int, row: Row, flights: Sequence[Flown]) -> Standing:
     """Write out the row of a tracker."""
-    lost = Counter(str(flight.summary["outcome"]) for flight in mine if not flight.arrived)
+    mine = [flight for flight in flights if flight.tracker == row.tracker]
+    failed = Counter(short(flight.summary["outcome"]) for flight in mine if not flight.arrived)
+    failed += Counter({BROKEN: row.lost})
+    jerks = [flight.summary["rms_jerk_mps3"] for flight in mine if flight.summary["rms_jerk_mps3"] is not None]
     return Standing(
         rank=rank,
-        tracker=name,
-        arrived=f"{len(mine) - lost.total()} of {len(mine)}",
-        failures=", ".join(f"{count} {short(outcome)}" for outcome, count in lost.most_common()),
-        numbers=tuple(spread(values(mine, metric), style) for metric, _, style in COLUMNS),
+        tracker=row.tracker,
+        arrived=f"{row.arrived} of {row.flights}",
+        failures=", ".join(f"{count} {outcome}" for outcome, count in failed.most_common()),
+        numbers=(
+            written(row.cross_track_rms),
+            (NOTHING if row.cross_track_max is None else number(row.cross_track_max), ""),
+            written(row.tracking_rms),
+            written(row.time_ratio),
+            written(spread(jerks), ".1f"),
+        ),
     )
 
 
@@ -64,14 +83,23 @@ def short(outcome: str) -> str:
     return SHORT.get(Outcome[outcome.upper()], outcome.replace("_", " "))
 
 
-def values(mine: Sequence[Flown], metric: str) -> list[float]:
-    """Return a metric of the flights that arrived and have it."""
-    return [flight.summary[metric] for flight in mine if flight.arrived and flight.summary[metric] is not None]
-
-
-def spread(found: Sequence[float], style: str) -> tuple[str, str]:
-    """Write the median, and the least and the greatest where there are several."""
-    if not found:
+def written(found: Spread | None, style: str = ".3f") -> tuple[str, str]:
+    """Write the median, and the least and the greatest where they differ."""
+    if found is None:
         return NOTHING, ""
-    low, high = format(min(found), style), format(max(found), style)
-    return format(median(found), style), "" if low == high else f"{low} to {high}"
+    low, high = number(found.least, style), number(found.greatest, style)
+    return number(found.median, style), "" if low == high else f"{low} to {high}"
+
+
+def number(value: float, style: str = ".3f") -> str:
+    """Write a number; what is infinite was never reached."""
+    return format(value, style) if math.isfinite(value) else "never"
+
+
+def failures(flights: Sequence[Flown], losses: Sequence[Loss]) -> list[Failure]:
+    """Return the flights that did not arrive, and those of which there is only an error."""
+    ended = [(flight, flight.summary["outcome"]) for flight in flights if not flight.arrived]
+    return [
+        *(Failure(one.labels, key, short(key), f"{one.summary['flight_time_s']:.1f} s") for one, key in ended),
+        *(Failure(loss.labels, "failed", loss.error[:LETTERS], "") for loss in losses),
+    ]

@@ -10,13 +10,11 @@
 
   const draw = (name, group) => {
     const place = document.getElementById(name), figure = groups[group][name];
-    place.hidden = !figure;
-    const none = place.parentElement.querySelector(".none");
-    if (none) none.hidden = Boolean(figure);
     if (!figure) return Promise.resolve();
     const traces = figure.data.map((trace) => ({ ...trace, visible: !hidden.has(trace.meta) }));
     // zooming is kept while trackers come and go, not from one mission to the next
-    return Plotly.react(place, traces, { ...figure.layout, uirevision: group }, options);
+    return Plotly.react(place, traces, { ...figure.layout, uirevision: group }, options)
+      .then(() => Plotly.Plots.resize(place));
   };
   const show = () => {
     const group = choice ? +choice.value : 0;
@@ -25,6 +23,8 @@
     document.querySelectorAll("tr[data-tracker]").forEach((row) => {
       row.style.opacity = hidden.has(+row.dataset.tracker) ? 0.4 : 1;
     });
+    // first, so that a pane beside one that goes is as wide as it will be
+    names.forEach((name) => { document.getElementById(name).parentElement.hidden = !groups[group][name]; });
     return Promise.all(names.map((name) => draw(name, group)));
   };
 

@@ -1,0 +1,209 @@
+"""What `crosstrack compare` does."""
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from crosstrack import mission as missions
+from crosstrack.campaign.cluster import Cluster
+from crosstrack.campaign.compare import Comparison, compared
+from crosstrack.campaign.complete import complete, kept
+from crosstrack.campaign.grid import fitting, grid
+from crosstrack.campaign.local import Local
+from crosstrack.campaign.ranking import Row, Spread
+from crosstrack.campaign.runner import Runner
+from crosstrack.campaign.store import Store
+from crosstrack.campaign.task import Done
+from crosstrack.campaign.words import OWN, tracker_words
+from crosstrack.cli import codes
+from crosstrack.cli.verbs import compiled_before, made, named
+from crosstrack.cli.watch import LINE_EVERY, say
+from crosstrack.errors import InputError, Problem
+
+RESULTS, TABLE, PAGE, PICTURE = "results.jsonl", "results.csv", "comparison.html", "comparison.png"
+ORDER = "Ranked by arrivals, then by the median cross-track RMS after capture (least to greatest in brackets)."
+WIDTH = 160
+"""columns of a table that is not shown in a terminal"""
+
+
+def compare(
+    files: Sequence[Path],
+    trackers: Sequence[str],
+    winds: Sequence[str],
+    seeds: int,
+    runner: Runner,
+    out: Path | None,
+    settings: Sequence[str],
+    as_json: bool,
+    png: bool,
+) -> int:
+    """Fly missions with several trackers, and write and print how each did."""
+    chosen = loaded(files, settings)
+    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
+    words = [word for text in trackers for word in tracker_words(text)] or fitting(chosen)
+    tasks = grid(chosen, words, winds or [OWN], seeds)
+    folder = made(out or Path("runs") / "compare")
+    with named(folder), Store(folder / RESULTS) as store:
+        before = kept(tasks, store)
+        try:
+            with runner as workers, Count(len(tasks), before) as count:
+                comparison = compared(tasks, complete(tasks, workers, store, count))
+        except KeyboardInterrupt:
+            say(
+                f"{kept(tasks, store)} of {len(tasks)} flights are kept in {folder}; the same command flies the others."
+            )
+            raise
+        write(comparison, folder, png)
+    tell(comparison, folder, as_json)
+    for loss in comparison.losses:
+        say(f"lost: {', '.join(f'{name} {value}' for name, value in loss.labels.items())}: {loss.error}")
+    return codes.FLIGHTS_LOST if comparison.losses else codes.DONE
+
+
+def runner_for(workers: int | None, cluster: str | None) -> Runner:
+    """Return what flies: processes of this machine, or a cluster.
+
+    Raises:
+        InputError: less than one worker, both, or a cluster that cannot be used.
+    """
+    if cluster is None:
+        return Local(workers)
+    if workers is not None:
+        raise InputError("--workers", [Problem("", "a cluster given by --cluster has its own workers: leave one out")])
+    return Cluster(cluster)
+
+
+def loaded(files: Sequence[Path], settings: Sequence[str]) -> list[missions.Mission]:
+    """Return missions.
+
+    Raises:
+        InputError: everything that is wrong with all of them.
+    """
+    found, errors = [], list[InputError]()
+    for file in files:
+        try:
+            found.append(missions.load(file, settings))
+        except InputError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        raise InputError("compare", [Problem(error.source, str(p)) for error in errors for p in error.problems])
+    return found
+
+
+def write(comparison: Comparison, folder: Path, png: bool) -> None:
+    """Write the table and the page of a comparison, and its picture where asked."""
+    from crosstrack.show.comparison import comparison_page
+
+    comparison.write_csv(folder / TABLE)
+    comparison_page(comparison.results, folder / PAGE, comparison.losses)
+    if png:
+        from crosstrack.show.comparison_picture import comparison_picture
+
+        comparison_picture(comparison.results, folder / PICTURE)
+
+
+def tell(comparison: Comparison, folder: Path, as_json: bool) -> None:
+    """Print the rankings."""
+    if as_json:
+        print(json.dumps(comparison.document(), indent=2))
+        return
+    from rich.console import Console
+
+    console = Console(
+        width=None if sys.stdout.isatty() else WIDTH, markup=False, highlight=False, emoji=False, soft_wrap=False
+    )
+    names = comparison.missions
+    for name in names if len(names) > 1 else ():
+        console.print(table(comparison.ranking(name), name))
+    console.print(table(comparison.ranking(), "all missions" if len(names) > 1 else names[0]))
+    print(f"Page: {folder / PAGE}")
+
+
+def table(rows: Sequence[Row], title: str) -> Any:
+    """Return a ranking as a table; columns in which there is nothing are left out."""
+    from rich.table import Table
+
+    shown = Table(title=title, title_justify="left", caption=ORDER, caption_justify="left")
+    shown.add_column("", justify="right")
+    shown.add_column("tracker", overflow="fold")
+    cells = {
+        "arrived": [f"{row.arrived} of {row.flights}" for row in rows],
+        "collided": [str(row.collided or "") for row in rows],
+        "lost": [str(row.lost or "") for row in rows],
+        "cross-track RMS, m": [between(row.cross_track_rms) for row in rows],
+        "largest, m": ["" if row.cross_track_max is None else length(row.cross_track_max) for row in rows],
+        "tracking RMS, m": [between(row.tracking_rms) for row in rows],
+        "time ratio": ["" if row.time_ratio is None else f"{row.time_ratio.median:.3f}" for row in rows],
+    }
+    filled = [heading for heading, column in cells.items() if any(column)]
+    for heading in filled:
+        shown.add_column(heading, justify="right")
+    for k, row in enumerate(rows):
+        shown.add_row(str(k + 1), row.tracker, *(cells[heading][k] for heading in filled))
+    return shown
+
+
+def between(spread: Spread | None) -> str:
+    """Return median, least and greatest of errors."""
+    if spread is None:
+        return ""
+    alone = spread.least == spread.greatest
+    return length(spread.median) + ("" if alone else f" ({length(spread.least)} to {length(spread.greatest)})")
+
+
+def length(error: float) -> str:
+    """Return an error in metres; one from capture on is infinite where the route was never captured."""
+    return f"{error:.3f}" if error < float("inf") else "never"
+
+
+class Count:
+    """Show how many flights are done: a bar in a terminal, a line now and then elsewhere."""
+
+    def __init__(self, total: int, before: int) -> None:
+        self.total, self.done, self.lost = total, before, 0
+        self.bar: Any = None
+        self.due = time.monotonic() + LINE_EVERY
+
+    def __enter__(self) -> Self:
+        """Say what is to be done."""
+        kept = f", {self.done} of them kept from before" if self.done else ""
+        say(f"Flights to compare: {self.total}{kept}." + " The first ones take longest." * (self.done < self.total))
+        if sys.stderr.isatty():
+            self.bar = _bar()
+            self.row = self.bar.add_task("", total=self.total, completed=self.done)
+            self.bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Take the bar down."""
+        if self.bar:
+            self.bar.stop()
+
+    def __call__(self, done: Done) -> None:
+        """Count a flight, and show it when it is due."""
+        self.done += 1
+        self.lost += done.error is not None
+        lost = f", {self.lost} lost" if self.lost else ""
+        now = time.monotonic()
+        if self.bar:
+            self.bar.update(self.row, completed=self.done, description=f"flights{lost}")
+        elif now >= self.due:
+            self.due = now + LINE_EVERY
+            say(f"{self.done} of {self.total} flights{lost}")
+
+
+def _bar() -> Any:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    return Bar(*columns, console=Console(stderr=True), transient=True)
