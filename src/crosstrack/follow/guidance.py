@@ -8,7 +8,7 @@ import numpy as np
 
 from crosstrack.path.pieces import reach_of
 from crosstrack.protocols import Course, Memory, Path
-from crosstrack.types import Array, State
+from crosstrack.types import Array, Envelope, State
 
 LAST_STRETCH = 0.3
 """m, from the end: there a vehicle that can stop is asked to hold the last point"""
@@ -16,6 +16,9 @@ LAST_SECONDS = 0.5
 """s, from the end, likewise: a vehicle that holds a position must not get there faster than it may fly"""
 STRAIGHT = 0.98
 """least chord over arc length of a way that counts as straight"""
+
+LATE = 0.5
+"""of the speed asked for, flown along the course, under which there is no feed-forward against the course"""
 
 
 class Locating(Memory, Protocol):
@@ -68,6 +71,9 @@ def on_last_stretch(path: Path, s: float, foot: Array, speed: float) -> bool:
 def ahead(course: Course, s: float, tangent: Array, velocity: Array) -> Array:
     """Return the mean acceleration (3,) m/s² along the course over the vehicle's response time.
 
+    A vehicle that already flies slower than LATE of the speed of the course is not asked to brake: before a turn on the
+    spot the braking would else hold off the velocity asked for, and the vehicle would hover there.
+
     Args:
         course: what is followed
         s: m, arc length of the closest point
@@ -79,7 +85,10 @@ def ahead(course: Course, s: float, tangent: Array, velocity: Array) -> Array:
         return np.zeros(3)
     gain = max(0.0, float(course.speed(s, 1)))
     lead = s + (max(0.0, float(velocity @ tangent)) + 0.5 * gain * response) * response
-    return (course.speed(lead) * course.path(lead, 1) - course.speed(s) * tangent) / response
+    push = (course.speed(lead) * course.path(lead, 1) - course.speed(s) * tangent) / response
+    along = float(push @ tangent)
+    slow = float(velocity @ tangent) < LATE * course.speed(s)
+    return push - along * tangent if slow and along < 0 else push
 
 
 def across(vector: Array, along: Array) -> Array:
@@ -97,6 +106,17 @@ def limited(vector: Array, most: float) -> Array:
     """Return the vector, shortened to the length `most` where it is longer."""
     norm = math.sqrt(vector @ vector)
     return vector * (most / norm) if norm > most else vector
+
+
+def affordable(push: Array, envelope: Envelope) -> Array:
+    """Return an acceleration (3,) m/s², its vertical part and then all of it shortened to what the vehicle has.
+
+    More lift than there is would leave no thrust to brake or turn with.
+    """
+    most = envelope.acceleration_vertical
+    if abs(push[2]) > most:
+        push = np.array([push[0], push[1], math.copysign(most, push[2])])
+    return limited(push, envelope.acceleration)
 
 
 def turn(velocity: Array, asked: Array) -> Array:

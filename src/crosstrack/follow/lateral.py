@@ -1,0 +1,146 @@
+"""From a lateral acceleration, which the guidance of fixed wings gives, to a command for any vehicle."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from crosstrack.follow.guidance import Foot, across, affordable, ahead, direction, limited
+from crosstrack.protocols import Course, Speed
+from crosstrack.types import Array, Setpoint, State
+
+STEPS = np.linspace(0.0, 1.0, 17)
+"""of a stretch of the course: where its speed is read"""
+CREEP = 0.3
+"""m/s, speed under which a vehicle that can stop counts as slow"""
+SLOW, BRISK = 0.25, 0.5
+"""of the speed asked for, flown towards the aim: until the first the law is not asked, from the second on it alone is"""
+LEAD = 0.7
+"""of the response time, how far ahead to look at the curve; the longer, the more corners are cut"""
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class LateralMemory:
+    """What a law of lateral acceleration remembers."""
+
+    progress: float
+    """m, arc length of the closest point"""
+    aim: Array
+    """(3,) m, the point steered for"""
+    error: float
+    """m, cross-track error"""
+    heading: Array
+    """(3,) unit, the course through the air asked for; of use where the vehicle cannot stop"""
+
+
+M = TypeVar("M", bound=LateralMemory)
+
+
+def begin(course: Course, state: State) -> LateralMemory:
+    """Return the memory to begin with: at the entry of the course."""
+    foot = course.path(course.entry)
+    error = float(np.linalg.norm(foot - state.position))
+    heading = direction(state.velocity)
+    return LateralMemory(course.entry, foot, error, heading if heading.any() else course.path(course.entry, 1))
+
+
+def response(course: Course, duration: float) -> float:
+    """Return the time (s) from an acceleration asked for to the acceleration flown; commands are held, half on average."""
+    return course.envelope.response_time + 0.5 * duration
+
+
+def covered(speed: Speed, s: float, duration: float) -> float:
+    """Return the way (m) that a speed profile makes from an arc length `s` (m) in a time (s)."""
+    start = float(speed(s))
+    gain = max(0.0, float(speed(s, 1)))
+    ways = (start + gain * duration) * duration * STEPS
+    if ways[-1] <= 0:
+        return 0.0
+    speeds = speed(s + ways)
+    mean = np.maximum(0.5 * (speeds[1:] + speeds[:-1]), 1e-3 * (speeds[0] + speeds[-1]) + 1e-9)
+    times = np.concatenate([[0.0], np.cumsum(np.diff(ways) / mean)])
+    return float(np.interp(duration, times, ways))
+
+
+def turning(velocity: Array, wanted: Array) -> Array:
+    """Return the sine of the angle from a velocity to a unit vector, as a vector across the velocity; held beyond 90°.
+
+    From straight ahead to straight back it is to the left, in the horizontal plane. Zero for a vehicle at rest.
+    """
+    flown = direction(velocity)
+    part = across(wanted, flown)
+    if not flown.any() or wanted @ flown >= 0:
+        return part if flown.any() else flown
+    side = direction(part)
+    if side.any():
+        return side
+    left = direction(np.cross(UP, flown))
+    return left if left.any() else np.array([1.0, 0.0, 0.0])
+
+
+def bend(course: Course, foot: Foot, velocity: Array, duration: float) -> Array:
+    """Return the acceleration (3,) m/s² that keeps a vehicle on the curve ahead: the mean while it responds."""
+    time = max(LEAD * course.envelope.response_time, duration)
+    speed = max(0.0, float(velocity @ foot.tangent))
+    way = max(0.0, speed + 0.5 * float(course.speed(foot.s, 1)) * time) * time
+    return across(speed / time * (course.path(foot.s + way, 1) - foot.tangent), foot.tangent)
+
+
+def command(
+    memory: M, course: Course, foot: Foot, state: State, duration: float, aim: Array, push: Array
+) -> tuple[Setpoint, M]:
+    """Return the setpoint that flies a lateral acceleration, and the new memory.
+
+    A vehicle that can stop is asked for the speed of the course along the course flown; while it flies slowly towards
+    the aim, or away from it, straight towards the aim. On the last stretch it is asked for the last position. A vehicle
+    of constant airspeed is asked for a heading, which is the integral of the acceleration, so that a steady wind
+    needs no estimate.
+
+    Args:
+        memory: of the step before
+        course: what is followed
+        foot: the closest point
+        state: of the vehicle
+        duration: s, until the next step
+        aim: (3,) m, the point steered for
+        push: (3,) m/s², the acceleration that the law asks for, across the velocity or the path
+    """
+    envelope = course.envelope
+    aim = course.path(course.path.length) if foot.last else aim
+    heading = memory.heading
+    if not envelope.stops:
+        push = limited(push, envelope.acceleration)
+        turned = direction(foot.speed * heading + push * duration)
+        heading = turned if turned.any() else heading
+    memory = replace(memory, progress=foot.s, aim=aim, error=foot.error, heading=heading)
+    if not envelope.stops:
+        return Setpoint(velocity=foot.speed * heading), memory
+    if foot.last:
+        return Setpoint(position=aim), memory
+    flown, wanted = direction(state.velocity), direction(aim - state.position)
+    share = trust(float(state.velocity @ wanted), foot.speed)
+    forward = ahead(course, foot.s, foot.tangent, state.velocity)
+    needed = math.sqrt(push @ push)
+    slower = math.sqrt(envelope.acceleration / max(needed, envelope.acceleration))
+    push, along = affordable(push, envelope), affordable((forward @ flown) * flown, envelope)
+    return Setpoint(
+        velocity=foot.speed * (share * slower * flown + (1 - share) * wanted),
+        acceleration=share * (push + along) + (1 - share) * affordable(forward, envelope),
+    ), memory
+
+
+def trust(closing: float, speed: float) -> float:
+    """Return how far to rely on the law, from 0 to 1, by the speed towards the aim and that asked for, both m/s."""
+    return min(1.0, max(0.0, (closing / max(speed, CREEP) - SLOW) / (BRISK - SLOW)))
+
+
+def stretched(least: float, error: float, velocity: Array, acceleration: float) -> float:
+    """Return how far ahead (m) to aim at an error (m), so that the turn onto the path is one that can be flown.
+
+    At the distance L the course meets the path at the angle asin(e / L). A turn of radius r = V²/a that begins at the
+    error e ends on the path if the angle is at most acos(1 - e / r), which for small angles is L = √(e r / 2); twice
+    the radius is counted on. The angle is at most 45°.
+    """
+    return max(least, math.sqrt(2) * error, math.sqrt(error * float(velocity @ velocity) / acceleration))

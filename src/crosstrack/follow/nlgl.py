@@ -1,0 +1,98 @@
+"""Nonlinear guidance of Park, Deyst and How: turn towards the point where the path leaves a circle."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosstrack.follow.guidance import Foot, direction, locate
+from crosstrack.follow.lateral import LateralMemory, begin, command, covered, response, stretched, turning
+from crosstrack.protocols import Course, Path
+from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+
+WAYS = np.linspace(0.0, 2.0, 33)
+"""of the radius of the circle: arc lengths ahead at which the path is looked at"""
+FOLD = -0.9
+"""cosine of the turn between two of them from which the path turns back on itself"""
+
+
+@dataclass(frozen=True)
+class Nlgl:
+    """Fly the arc of a circle that meets the path a distance L1 ahead.
+
+    With the point A where the path leaves the sphere of radius L1 about the vehicle, and the angle η from the velocity
+    to it, the acceleration is
+
+        a = 2 V² / L1 sin η,
+
+    across the velocity V, in the plane of velocity and A: the circle that is tangent to the velocity and leads through
+    A. On a straight path it is linear in the cross-track error, with ω = √2 V / L1 and a damping of 1/√2; on a circular
+    path it asks for V² / r, whatever L1.
+
+    L1 is the way that the speed profile makes in `reaction` times the response time τ of the vehicle, so that it is
+    short before slow corners. At 4, vehicle and law together are a Butterworth filter of third order. Where the path
+    turns back or ends within L1, the aim is on its tangent.
+
+    Source: Park, Deyst, How 2004 (AIAA 2004-4900, equation 1), 2007 (JGCD 30(6)); the rule for L1 is ours.
+    """
+
+    needs = ()
+
+    lookahead: Positive = 0.3
+    """m, least L1"""
+    reaction: NonNegative = 3.0
+    """1, time to the aim over the vehicle's response time"""
+
+    def start(self, course: Course, state: State) -> LateralMemory:
+        """Begin at the entry of the course."""
+        return begin(course, state)
+
+    def step(
+        self, memory: LateralMemory, course: Course, state: State, duration: float
+    ) -> tuple[Setpoint, LateralMemory]:
+        """Return velocity and acceleration to fly for the next `duration` (s), and the new memory."""
+        foot = locate(memory, course, state, duration)
+        radius = self.radius_at(course, foot, state, duration)
+        aim = exit_of(course.path, foot, state.position, radius)
+        chord = aim - state.position
+        square = float(state.velocity @ state.velocity)
+        distance = max(math.sqrt(chord @ chord), self.lookahead)
+        push = 2 * square / distance * turning(state.velocity, direction(chord))
+        return command(memory, course, foot, state, duration, aim, push)
+
+    def radius_at(self, course: Course, foot: Foot, state: State, duration: float) -> float:
+        """Return L1 (m); a vehicle that cannot slow down looks at least its turning radius ahead."""
+        envelope = course.envelope
+        way = covered(course.speed, foot.s, self.reaction * response(course, duration))
+        radius = 0.0 if envelope.stops else foot.speed**2 / envelope.acceleration
+        return stretched(max(self.lookahead, way, radius), foot.error, state.velocity, envelope.acceleration)
+
+
+def exit_of(path: Path, foot: Foot, position: Array, radius: float) -> Array:
+    """Return the point (3,) m where a path leaves a sphere about a position; on its tangent where it ends or turns back.
+
+    A path that curls up within the sphere is met at its farthest point.
+    """
+    if foot.last:
+        return path(path.length)
+    s = foot.s + radius * WAYS
+    points, tangents = path(s), path(s, 1)
+    folds = np.flatnonzero(np.einsum("ij,ij->i", tangents[1:], tangents[:-1]) < FOLD)
+    end = int(folds[0]) + 1 if folds.size else len(s)
+    distances = np.linalg.norm(points[:end] - position, axis=1)
+    outside = np.flatnonzero(distances >= radius)
+    if outside.size:
+        k = max(1, int(outside[0]))
+        share = (radius - distances[k - 1]) / (distances[k] - distances[k - 1])
+        return path(s[k - 1] + min(1.0, max(0.0, share)) * (s[k] - s[k - 1]))
+    k = int(distances.argmax())
+    if k < end - 1 and s[k + 1] <= path.length:
+        return points[k]
+    return beyond(points[end - 1], tangents[end - 1], position, radius)
+
+
+def beyond(point: Array, tangent: Array, position: Array, radius: float) -> Array:
+    """Return where the ray from a point along a unit tangent leaves the sphere about a position that holds the point."""
+    offset = point - position
+    along = float(offset @ tangent)
+    return point + (math.sqrt(max(0.0, along**2 + radius**2 - float(offset @ offset))) - along) * tangent
