@@ -126,6 +126,8 @@ class Model:
     """m/s²/(rad/s)², collective thrust over mass and the sum of the squared rotor speeds"""
     rate_time: float
     """s, from a body rate asked for to the body rate flown"""
+    attitude_time: float
+    """s, from an attitude asked for to the attitude flown"""
     thrust_time: float
     """s, from a thrust asked for to the thrust flown"""
     rate_max: float

@@ -58,6 +58,7 @@ def model_of(airframe: Airframe, density: float, limits: Limits) -> Model:
         thrust_max=MOST_THRUST * 4 * factor * airframe.rotor_speed_max**2,
         thrust_factor=factor,
         rate_time=1 / airframe.gains.rate + airframe.motor_time,
+        attitude_time=1 / airframe.gains.attitude,
         thrust_time=airframe.motor_time,
         rate_max=airframe.gains.max_rate,
         tilt_max=math.radians(limits.tilt_deg),
