@@ -10,6 +10,7 @@ from crosstrack.lazy import lazily
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from crosstrack.campaign.compare import compare as compare
     from crosstrack.errors import CrosstrackError as CrosstrackError
     from crosstrack.errors import Infeasible as Infeasible
     from crosstrack.errors import InputError as InputError
@@ -38,6 +39,7 @@ _PUBLIC = {
     "Plan": "flight.plan",
     "Start": "mission.schema",
     "certified": "mission.certified",
+    "compare": "campaign.compare",
     "fly": "mission.flying",
     "from_document": "mission.load",
     "load": "mission.load",

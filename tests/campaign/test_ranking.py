@@ -51,6 +51,14 @@ def test_equal_medians_are_ranked_by_tracking_error_then_in_order() -> None:
     assert [row.tracker for row in ranking(results)] == ["d", "c", "b", "a"]
 
 
+def test_where_all_fly_a_trajectory_its_error_decides() -> None:
+    precise, wide = flown("precise", 0.2, tracking_rms_m=0.01), flown("wide", 0.1, tracking_rms_m=0.3)
+    assert [row.tracker for row in ranking([wide, precise])] == ["precise", "wide"]
+    assert [row.tracker for row in ranking([wide, precise, flown("untimed", 0.15)])] == ["wide", "untimed", "precise"]
+    late = flown("precise", 0.2, arrived=False, tracking_rms_m=0.01)
+    assert [row.tracker for row in ranking([precise, late, wide])] == ["wide", "precise"]
+
+
 def test_a_comparison_ranks_every_mission_and_all_and_is_json() -> None:
     results = [
         flown("a", 0.1, mission="hop"), flown("b", 0.2, mission="hop"),

@@ -232,7 +232,7 @@ def workers() -> Iterator[Local]:
 
 def test_a_detuned_carrot_gets_better_the_same_with_any_number_of_workers(workers: Local, tmp_path: Path) -> None:
     mission = loads(SLALOM + "wind: {mean: [0, 1, 0], gusts: moderate}")
-    what = tuning(mission, parameters=["lookahead=0.5:10"], seeds=2, budget=30)
+    what = tuning(mission, parameters=["lookahead=0.5:10"], seeds=2, budget=22)
     told: list[int] = []
     best = tune(what, workers, lambda flown, trial: told.append(flown))
     assert best.after.cost.missed == 0

@@ -1,7 +1,7 @@
 """Trackers and winds as a command line has them."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosstrack.campaign.words import tracker_document, tracker_words, wind_of
@@ -22,6 +22,7 @@ def test_a_list_of_trackers_is_split_where_one_begins() -> None:
     ]  # fmt: skip
 
 
+@settings(max_examples=40)
 @given(st.lists(TRACKERS, min_size=1, max_size=4))
 def test_what_is_written_is_read(trackers: list[tuple[str, dict[str, object]]]) -> None:
     words = [

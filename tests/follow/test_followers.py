@@ -51,7 +51,7 @@ def test_a_quadrotor_flies_the_route_to_its_end(name: str, route: str, wind: str
 @pytest.mark.parametrize("airframe", ["crazyflie", "racer"])
 @pytest.mark.parametrize("name", OURS)
 def test_other_airframes_fly_it_too(name: str, airframe: Any) -> None:
-    report = flown(ROUTES["climb"], vehicle=Quadrotor(airframe), tracker=law_of(name), speed=4.0)
+    report = flown(ROUTES["climb"], vehicle=Quadrotor(airframe), tracker=law_of(name), speed=3.0)
     assert report.arrived
     assert report.captured_rms <= 0.2
 

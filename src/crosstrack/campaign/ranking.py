@@ -41,11 +41,11 @@ class Row:
         """Return the share of flights that arrived."""
         return self.arrived / self.flights
 
-    @property
-    def order(self) -> tuple[float, float, float]:
-        """Return what rows are ranked by, least first."""
-        errors = [spread.median if spread else math.inf for spread in (self.cross_track_rms, self.tracking_rms)]
-        return (-self.rate, errors[0], errors[1])
+    def order(self, timed: bool) -> tuple[float, ...]:
+        """Return what rows are ranked by, least first; tracking errors come first where flights are `timed`."""
+        spreads = (self.cross_track_rms, self.tracking_rms)
+        errors = [spread.median if spread else math.inf for spread in (reversed(spreads) if timed else spreads)]
+        return (-self.rate, *errors)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,8 @@ def ranking(results: Sequence[Mapping[str, Any]], losses: Sequence[Loss] = ()) -
     """Return a row for each tracker, the best first; equally good ones in the order in which they come.
 
     More arrivals are better; then a smaller median over its flights of the RMS of the cross-track error from capture
-    on; then a smaller median of the RMS of the tracking error.
+    on; then a smaller median of the RMS of the tracking error. Where every flight has a trajectory the tracking error
+    comes before the cross-track error, which is then mostly the planner's: how far the trajectory is from the route.
 
     Args:
         results: what `flights.fly` returned
@@ -76,7 +77,8 @@ def ranking(results: Sequence[Mapping[str, Any]], losses: Sequence[Loss] = ()) -
         )
         for tracker in dict.fromkeys(everyone)
     ]
-    return sorted(rows, key=lambda row: row.order)
+    timed = all(result["summary"]["tracking_rms_m"] is not None for result in results)
+    return sorted(rows, key=lambda row: row.order(timed))
 
 
 def row_of(tracker: str, flown: Sequence[Mapping[str, Any]], lost: int) -> Row:

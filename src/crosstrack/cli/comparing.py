@@ -25,7 +25,12 @@ from crosstrack.cli.watch import LINE_EVERY, say
 from crosstrack.errors import InputError, Problem
 
 RESULTS, TABLE, PAGE, PICTURE = "results.jsonl", "results.csv", "comparison.html", "comparison.png"
-ORDER = "Ranked by arrivals, then by the median cross-track RMS after capture (least to greatest in brackets)."
+ORDER = (
+    "Errors: median (least to greatest) of the flights, cross-track from capture on.\n"
+    "Ranked by arrivals, then cross-track error; tracking error where every flight has a trajectory."
+)
+NAME = 24
+"""columns that the name of a tracker is given at least, where it needs them"""
 WIDTH = 160
 """columns of a table that is not shown in a terminal"""
 
@@ -131,7 +136,7 @@ def table(rows: Sequence[Row], title: str) -> Any:
 
     shown = Table(title=title, title_justify="left", caption=ORDER, caption_justify="left")
     shown.add_column("", justify="right")
-    shown.add_column("tracker", overflow="fold")
+    shown.add_column("tracker", overflow="fold", min_width=min(NAME, max(len(row.tracker) for row in rows)))
     cells = {
         "arrived": [f"{row.arrived} of {row.flights}" for row in rows],
         "collided": [str(row.collided or "") for row in rows],

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Lt
 
-from crosstrack.follow.guidance import direction, locate
+from crosstrack.follow.guidance import across, direction, locate
 from crosstrack.follow.lateral import LateralMemory, begin, bend, command, response, turning
 from crosstrack.protocols import Course
 from crosstrack.types import NonNegative, Positive, Setpoint, State
@@ -58,13 +58,15 @@ class LqrPath:
         """Return velocity and acceleration to fly for the next `duration` (s), and the new memory."""
         foot = locate(memory, course, state, duration)
         frequency = min(self.bandwidth, self.reaction / response(course, duration))
-        stiffness, damping = self.gains(foot.error, frequency)
+        offset = across(foot.offset, foot.tangent)
+        error = math.sqrt(offset @ offset)
+        stiffness, damping = self.gains(error, frequency)
         flown = math.sqrt(state.velocity @ state.velocity)
         speed = max(foot.speed, flown)
-        brakable = math.sqrt(course.envelope.acceleration * foot.error) if foot.error > 0 else 0.0
-        closing = min(stiffness / damping * foot.error, STEEPEST * speed, brakable)
+        brakable = math.sqrt(course.envelope.acceleration * error) if error > 0 else 0.0
+        closing = min(stiffness / damping * error, STEEPEST * speed, brakable)
         along = math.sqrt(max(0.0, speed**2 - closing**2))
-        wanted = closing * direction(foot.offset) + along * foot.tangent
+        wanted = closing * direction(offset) + along * foot.tangent
         push = damping * flown * turning(state.velocity, direction(wanted))
         push = push + bend(course, foot, state.velocity, duration)
         aim = state.position + damping / stiffness * wanted

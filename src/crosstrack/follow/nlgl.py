@@ -30,8 +30,9 @@ class Nlgl:
     path it asks for V² / r, whatever L1.
 
     L1 is the way that the speed profile makes in `reaction` times the response time τ of the vehicle, so that it is
-    short before slow corners. At 4, vehicle and law together are a Butterworth filter of third order. Where the path
-    turns back or ends within L1, the aim is on its tangent.
+    short before slow corners. A vehicle that answers as a lag of first order is stable above 1; at 4, vehicle and law
+    are a Butterworth filter of third order, and cut corners. Where the path turns back or ends within L1, the aim is on
+    its tangent.
 
     Source: Park, Deyst, How 2004 (AIAA 2004-4900, equation 1), 2007 (JGCD 30(6)); the rule for L1 is ours.
     """
@@ -40,7 +41,7 @@ class Nlgl:
 
     lookahead: Positive = 0.3
     """m, least L1"""
-    reaction: NonNegative = 3.0
+    reaction: NonNegative = 2.0
     """1, time to the aim over the vehicle's response time"""
 
     def start(self, course: Course, state: State) -> LateralMemory:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosstrack.follow.guidance import Foot, across, direction, limited, locate
+from crosstrack.follow.guidance import across, direction, limited, locate
 from crosstrack.follow.lateral import LateralMemory, begin, bend, command, response, turning
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
@@ -68,7 +68,7 @@ class Npfg:
         foot = locate(memory, course, state, duration)
         period = max(self.period, self.reaction * math.pi * response(course, duration) / self.damping)
         bound = error_bound(math.sqrt(state.velocity @ state.velocity), period * self.damping)
-        toward, proximity = bearing(foot, bound)
+        toward, proximity = bearing(across(foot.offset, foot.tangent), foot.tangent, bound)
         aim = state.position + bound * toward
         gain = 4 * math.pi * self.damping / period
         velocity = state.velocity
@@ -89,12 +89,17 @@ def error_bound(speed: float, time: float) -> float:
     return 0.5 * time * (speed**2 / LEAST_SPEED + LEAST_SPEED)
 
 
-def bearing(foot: Foot, bound: float) -> tuple[Array, float]:
-    """Return the unit bearing (3,), and how near the path is, from 0 at the track error bound (m) to 1 on it."""
-    normalised = min(1.0, foot.error / bound)
+def bearing(offset: Array, tangent: Array, bound: float) -> tuple[Array, float]:
+    """Return the unit bearing (3,), and how near the path is, from 0 at the track error bound to 1 on it.
+
+    Args:
+        offset: (3,) m, across the path, from the vehicle to it
+        tangent: (3,) unit, of the path
+        bound: m, track error bound
+    """
+    normalised = min(1.0, math.sqrt(offset @ offset) / bound)
     angle = 0.5 * math.pi * (1 - normalised) ** 2
-    toward = direction(math.cos(angle) * direction(foot.offset) + math.sin(angle) * foot.tangent)
-    return toward if toward.any() else foot.tangent, math.sin(angle) ** 2
+    return math.cos(angle) * direction(offset) + math.sin(angle) * tangent, math.sin(angle) ** 2
 
 
 def air_course(toward: Array, wind: Array, airspeed: float) -> Array:

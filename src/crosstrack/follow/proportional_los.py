@@ -30,11 +30,11 @@ class ProportionalLos:
 
     lookahead: Positive = 0.5
     """m, least L"""
-    reaction: NonNegative = 4.0
+    reaction: NonNegative = 2.5
     """1, least time to the aim over the vehicle's response time"""
-    pursuit_gain: Positive = 2.5
+    pursuit_gain: Positive = 3.0
     """1, c1, rate of turn over angle to the aim and V / L"""
-    line_gain: NonNegative = 0.6
+    line_gain: NonNegative = 1.0
     """1, c2, rate of turn over cross-track error and V / L²"""
 
     def start(self, course: Course, state: State) -> LateralMemory:

@@ -40,7 +40,7 @@ class PurePursuit:
 
     lookahead: Positive = 0.3
     """m, least δ"""
-    reaction: NonNegative = 4.0
+    reaction: NonNegative = 2.0
     """1, time to the aim over the vehicle's response time"""
 
     def start(self, course: Course, state: State) -> LateralMemory:

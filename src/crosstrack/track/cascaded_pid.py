@@ -7,6 +7,7 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
+from crosstrack.track.approach import braking, eased
 from crosstrack.track.attitude import Axes, Triple, axes_for, axes_of, dot, drag_while, reachable
 from crosstrack.track.clock import Timed, begin, model_of, tick
 from crosstrack.track.integral import accumulate
@@ -34,7 +35,8 @@ class CascadedPid:
     As the vehicle takes the time τ_R to turn to an attitude and τ_c to reach a thrust, and a command held for the
     period T is T/2 old on average, p'' and the drag along p are those of t + T/2 + τ_R in R* and t + T/2 + τ_c in c.
     The gains follow from the vehicle: with its response time τ, k_v = b / (τ + T/2), k_p = a k_v, k_i = i k_p k_v.
-    While tilt or thrust limit f, the integral stands still along what is missing of it (conditional integration).
+    Position errors beyond a reach count by their root, so that the vehicle can brake from wherever it is. While tilt or
+    thrust limit f, the integral stands still along what is missing of it (conditional integration).
 
     Sources: Åström, Hägglund 2006 (Advanced PID Control), ch. 3, for the loop; Faessler, Franchi, Scaramuzza 2018
     (RA-L 3(2)), eq. 13-20, for feed-forward and drag.
@@ -80,6 +82,7 @@ class CascadedPid:
             (stiff, damp, self.integral_gain * stiff * damp, self.derivative_gain),
             (model.thrust_min, model.thrust_max, math.tan(model.tilt_max)),
             (model.attitude_time, model.thrust_time, response),
+            braking(model) / stiff**2,
             model.drag,
             model.drag_quadratic,
             out,
@@ -99,6 +102,7 @@ def cascade(
     gains: tuple[float, float, float, float],
     limits: Triple,
     times: Triple,
+    reach: float,
     linear: Array,
     square: Array,
     out: Array,
@@ -116,6 +120,7 @@ def cascade(
         gains: of position (1/s), velocity (1/s), the integral (1/s²) and the derivative (1)
         limits: least and most thrust (m/s²), tilt tangent
         times: s, from an attitude, a thrust and an acceleration asked for to those flown
+        reach: m, position error that is met in proportion
         linear: (3,) 1/s, drag
         square: (3,) 1/m, drag
         out: (5,)
@@ -127,10 +132,11 @@ def cascade(
     then = motion(rows, since + 0.5 * period + turning)
     soon = motion(rows, since + 0.5 * period + pulling)
     smooth = period / (period + response)
+    behind = eased((now[0] - position[0], now[1] - position[1], now[2] - position[2]), reach)
     miss = (
-        now[3] + stiff * (now[0] - position[0]) - velocity[0],
-        now[4] + stiff * (now[1] - position[1]) - velocity[1],
-        now[5] + stiff * (now[2] - position[2]) - velocity[2],
+        now[3] + stiff * behind[0] - velocity[0],
+        now[4] + stiff * behind[1] - velocity[1],
+        now[5] + stiff * behind[2] - velocity[2],
     )
     if not math.isnan(held[3]):
         for i in range(3):

@@ -80,6 +80,10 @@ class Program:
 
     Rows may be soft: exceeding one by ε then costs ½ w ε². The solver (Arnström, Bemporad, Axehill 2022, IEEE TAC
     67(8), a dual active-set method) keeps its matrices between solutions and begins with the active set it is given.
+    It changes that set 300 times at most.
+
+    Attributes:
+        flags: (m,), of no active set, where a first solution begins
     """
 
     def __init__(self, hessian: Array, rows: Array, soft: NDArray[np.bool_], price: float) -> None:

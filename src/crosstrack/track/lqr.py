@@ -8,6 +8,7 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
+from crosstrack.track.approach import eased
 from crosstrack.track.attitude import Axes, Triple, axes_of, capped, dot, reachable
 from crosstrack.track.clock import Clock, Timed, begin, model_of, tick
 from crosstrack.track.integral import accumulate
@@ -42,9 +43,10 @@ class Lqr:
     horizon at the thrust c_r; `finite` that of the Riccati recursion backwards along the whole trajectory, which knows
     its rates and its drag. The recursion belongs to the period of the commands, so the first step runs it.
 
-    Far from the trajectory, what position, velocity and integral ask for is limited: their part of K x is the part
-    that a tilt from the reference would have, and that tilt is turned to as far as tilt and thrust limits allow. Near
-    the trajectory this is u = -K x itself. While limits act, the integral stands still along what is missing.
+    Far from the trajectory the vehicle must not tumble. Position errors beyond a reach count by their root, so that it
+    can brake, and the integral stands still. The part of K x of position, velocity and integral is the one that another
+    thrust vector would have; that vector is kept within tilt and thrust limits, and turned to by the shortest way.
+    Near the trajectory this is u = -K x itself.
 
     Sources: Anderson, Moore 1990 (Optimal Control), ch. 2; Bryson, Ho 1975 (Applied Optimal Control), ch. 5; Foehn,
     Scaramuzza 2018 (ICRA, Onboard State Dependent LQR for Agile Quadrotors) for rates as the input.
@@ -66,7 +68,7 @@ class Lqr:
     """rad, allowed deviation"""
     integral_error: Positive = 0.25
     """m s, allowed deviation on each axis"""
-    rate_share: Positive = 0.2
+    rate_share: Positive = 0.25
     """1, allowed roll and pitch rates beyond the reference's, in units of `tilt_error` over the time a rate takes"""
     yaw_rate: Positive = 1.0
     """rad/s, allowed yaw rate beyond the reference's"""
@@ -97,7 +99,7 @@ class Lqr:
             gathered,
             schedule.gains,
             (state.time - clock.began - schedule.begin) / schedule.spacing if schedule.by_time else math.nan,
-            (schedule.begin, schedule.spacing),
+            (schedule.begin, schedule.spacing, schedule.reach),
             (model.thrust_min, model.thrust_max, math.tan(model.tilt_max)),
             (model.rate_time, model.thrust_time, model.rate_max),
             model.drag,
@@ -127,7 +129,7 @@ def regulate(
     gathered: Array,
     gains: Array,
     row: float,
-    table: tuple[float, float],
+    table: Triple,
     limits: Triple,
     answers: Triple,
     linear: Array,
@@ -144,7 +146,7 @@ def regulate(
         gathered: (3,) m s, integral of the position error, world
         gains: (rows, 4, n)
         row: of the gains, a fraction; NaN where they go by thrust
-        table: m/s², thrust of the first row of the gains, and between two
+        table: m/s², thrust of the first row of the gains, and between two; m, reach of the position error
         limits: least and most thrust (m/s²), tilt tangent
         answers: s, from a rate and a thrust asked for to those flown; most rate (rad/s)
         linear: (3,) 1/s, drag
@@ -160,12 +162,15 @@ def regulate(
     blended(gains, (thrust - table[0]) / table[1] if math.isnan(row) else row, gain)
     behind = (now[0] - position[0], now[1] - position[1], now[2] - position[2])
     slower = (now[3] - velocity[0], now[4] - velocity[1], now[5] - velocity[2])
-    lean = leaned(gain, seen(ref, behind), seen(ref, slower), seen(ref, (gathered[0], gathered[1], gathered[2])))
-    push = world(ref, (thrust * lean[1], -thrust * lean[0], lean[3]))
+    pull = asked_for(
+        gain, seen(ref, eased(behind, table[2])), seen(ref, slower), seen(ref, (gathered[0], gathered[1], gathered[2]))
+    )
+    push = world(ref, (pull[0], pull[1], pull[3]))
     asked = (force[0] + push[0], force[1] + push[1], force[2] + push[2])
     f = reachable(asked[0], asked[1], asked[2], limits[0], limits[1], limits[2])
-    accumulate(gathered, behind, (asked[0] - f[0], asked[1] - f[1], asked[2] - f[2]), period)
-    turn = turn_to(axes, ref, f, lean[2])
+    if dot(behind, behind) <= table[2] * table[2]:
+        accumulate(gathered, behind, (asked[0] - f[0], asked[1] - f[1], asked[2] - f[2]), period)
+    turn = turn_to(axes, ref, f, pull[2])
     # Rates of the reference are turned as far as the vehicle is from it.
     spin, ahead = seen(axes, world(ref, rate_in(flown[0]))), seen(axes, world(ref, rate_in(flown[1])))
     for k in range(4):
@@ -212,25 +217,25 @@ def rate_in(row: Array) -> Triple:
 
 
 @compiled
-def leaned(gain: Array, position: Triple, velocity: Triple, total: Triple) -> tuple[float, float, float, float]:
-    """Return the rotation (rad) from the reference and the thrust (m/s²) beyond it that outer errors ask for."""
-    lean = (0.0, 0.0, 0.0, 0.0)
+def asked_for(gain: Array, position: Triple, velocity: Triple, total: Triple) -> tuple[float, float, float, float]:
+    """Return what outer errors ask for: force along x and y (m/s²), rotation about z (rad), and thrust (m/s²)."""
+    pull = (0.0, 0.0, 0.0, 0.0)
     for j in range(3):
-        lean = summed(lean, gain[:, j], position[j])
-        lean = summed(lean, gain[:, 3 + j], velocity[j])
+        pull = summed(pull, gain[:, j], position[j])
+        pull = summed(pull, gain[:, 3 + j], velocity[j])
         if gain.shape[1] > 12:
-            lean = summed(lean, gain[:, 12 + j], total[j])
-    return lean
+            pull = summed(pull, gain[:, 12 + j], total[j])
+    return pull
 
 
 @compiled
-def summed(lean: tuple[float, float, float, float], column: Array, error: float) -> tuple[float, float, float, float]:
+def summed(pull: tuple[float, float, float, float], column: Array, error: float) -> tuple[float, float, float, float]:
     """Return the sum of a vector and a column of the gains times an error."""
     return (
-        lean[0] + column[0] * error,
-        lean[1] + column[1] * error,
-        lean[2] + column[2] * error,
-        lean[3] + column[3] * error,
+        pull[0] + column[0] * error,
+        pull[1] + column[1] * error,
+        pull[2] + column[2] * error,
+        pull[3] + column[3] * error,
     )
 
 

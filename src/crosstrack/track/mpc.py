@@ -6,23 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.protocols import Course
-from crosstrack.track.clock import Timed, model_of, tick
+from crosstrack.track.clock import model_of, tick
 from crosstrack.track.condensed import Flags, Solution
 from crosstrack.track.geometric import constants_of, steer
-from crosstrack.track.incremental import Incremental, measured, unexplained
+from crosstrack.track.incremental import Incremental, IncrementalMemory, measured, unexplained
 from crosstrack.track.mpc_design import CHECKED, STEP, STEPS, Design, design
 from crosstrack.track.mpc_preview import bounds_of, deviation, preview
 from crosstrack.types import Array, Model, Positive, RateSetpoint, State
 
 
 @dataclass(frozen=True)
-class MpcMemory(Timed):
+class MpcMemory(IncrementalMemory):
     """What predictive control remembers."""
 
-    push: Array
-    """(3,) m/s², acceleration by what the nominal model does not know"""
-    known: Array
-    """(3,) m/s², by thrust, gravity and nominal drag in the last step"""
     design: Design
     """the program, built once"""
     active: Flags

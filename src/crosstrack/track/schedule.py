@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.compiled import compiled
+from crosstrack.track.approach import braking
 from crosstrack.track.linear import INPUTS, STATES, dynamics, dynamics_along
 from crosstrack.track.reference import ROWS, SPACING, Reference, reference
 from crosstrack.track.riccati import backwards, discretised, stationary
@@ -31,6 +32,8 @@ class Schedule:
     """s or m/s², between two rows"""
     gains: Array
     """(rows, 4, 12 or 15), see `staged`"""
+    reach: float
+    """m, position error that is met in proportion, see `approach.eased`"""
 
 
 def by_thrust(model: Model, q: Array, r: Array, period: float) -> Schedule:
@@ -43,8 +46,9 @@ def by_thrust(model: Model, q: Array, r: Array, period: float) -> Schedule:
         period: s
     """
     thrusts = np.linspace(model.thrust_min, model.thrust_max, KNOTS)
-    gains = np.stack([hovering(model, float(thrust), q, r, period)[0] for thrust in thrusts])
-    return Schedule(period, False, float(thrusts[0]), float(thrusts[1] - thrusts[0]), staged(gains))
+    rows = np.stack([hovering(model, float(thrust), q, r, period)[0] for thrust in thrusts])
+    gains = staged(rows, thrusts)
+    return Schedule(period, False, float(thrusts[0]), float(thrusts[1] - thrusts[0]), gains, reach_of(model, gains[0]))
 
 
 def hovering(model: Model, thrust: float, q: Array, r: Array, period: float) -> tuple[Array, Array]:
@@ -81,7 +85,7 @@ def by_time(stretch: Reference, model: Model, q: Array, r: Array, period: float)
     steps = math.ceil(trajectory.duration / period)
     stride = max(1, math.ceil(steps / MOST_ROWS))
     last, cost = hovering(model, GRAVITY, q, r, period)
-    rows = [last]
+    rows = [staged(last[None], np.array([GRAVITY]))]
     share = stride * max(1, int((ROWS - 1) * SPACING / period) // stride)
     limits = (model.thrust_min, model.thrust_max, math.tan(model.tilt_max))
     for first in reversed(range(0, steps, share)):
@@ -92,19 +96,30 @@ def by_time(stretch: Reference, model: Model, q: Array, r: Array, period: float)
         dynamics_along(samples, period, limits, model.rate_time, model.drag, model.drag_quadratic, thrusts, a, b)
         costs = at_thrust(q, r, thrusts)
         gains, cost = backwards(*discretised(a[:, :n, :n], b[:, :n], period), *costs, cost)
-        rows.extend(gains[::stride][::-1])
-    return Schedule(period, True, 0.0, stride * period, staged(np.stack(rows[::-1])))
+        rows.append(staged(gains[::stride], thrusts[::stride]))
+    gains = np.concatenate(rows[::-1])
+    return Schedule(period, True, 0.0, stride * period, gains, reach_of(model, gains[-1]))
 
 
-def staged(gains: Array) -> Array:
-    """Return gains (rows, 4, n) with the rates that errors of position, velocity and integral ask for as rotations.
+def staged(gains: Array, thrusts: Array) -> Array:
+    """Return gains K (rows, 4, n) of thrusts c (rows,) in two stages: an outer one to a force, an inner one to rates.
 
-    As K x = K_θ (θ + K_θ⁻¹ K_r r) + .. of the first three rows, with all these errors r, the rotation -K_θ⁻¹ K_r r
-    from the reference is what they ask for, and the attitude block K_θ what turns to it.
+    With errors r of position, velocity and integral, K x = K_θ (θ + K_θ⁻¹ K_r r) + .. in the three rows of the rates:
+    the outer errors ask for the rotation L = -K_θ⁻¹ K_r r from the reference, and the attitude block K_θ turns to it.
+    Their columns so become those of (c L_y, -c L_x), the force that this rotation gives along x and y, and of L_z.
     """
     out, outer = gains.copy(), [*range(6), *range(12, gains.shape[2])]
-    out[:, :3, outer] = np.linalg.solve(gains[:, :3, 6:9], gains[:, :3, outer])
+    lean = np.linalg.solve(gains[:, :3, 6:9], gains[:, :3, outer])
+    out[:, 0, outer] = thrusts[:, None] * lean[:, 1]
+    out[:, 1, outer] = -thrusts[:, None] * lean[:, 0]
+    out[:, 2, outer] = lean[:, 2]
     return out
+
+
+def reach_of(model: Model, gain: Array) -> float:
+    """Return the reach (m) from which the vehicle can brake, by the gains (4, n) of sideways position and velocity."""
+    approach = min(gain[0, 0] / gain[0, 3], gain[1, 1] / gain[1, 4])
+    return float(braking(model) / approach**2)
 
 
 @compiled
