@@ -8,6 +8,7 @@ import argparse
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, count, islice
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -26,11 +27,13 @@ from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Task
 from crosstrack.trajectory import PiecewisePolynomial, certify, minimum
 from crosstrack.trajectory.files.json_file import to_json
+from crosstrack.trajectory.flatness.flat import flatten
 from crosstrack.types import Array, Mismatch, Noise, Wind
 
 SPEEDS = {1.0: 5.0, 5.0: 15.0, 10.0: 30.0}
 """m/s of the followers, and the radius (m) of the circle flown at it"""
 SEEDS = 3
+RANDOM = 5
 PEAK_SPEED, PEAK_ACCELERATION = 12.5, 2 * 9.80665
 """m/s and m/s², of the trajectories"""
 WRONG = Mismatch(mass=1.1, drag=1.2)
@@ -118,12 +121,22 @@ def wander(seed: int) -> tuple[Array, Array]:
     return points, np.concatenate([[0.0], np.cumsum(spans)])
 
 
+def flyable(curve: PiecewisePolynomial) -> bool:
+    """Return whether a thrust of at least 0.3 g, at most 75° from upright, flies a curve against rotor drag."""
+    flat = flatten(curve, np.linspace(0, curve.duration, 2000), drag=(0.54, 0.39, 0.0))
+    return bool(flat.thrust.min() > 3 and math.degrees(flat.tilt.max()) < 75)
+
+
+def shapes() -> Iterator[tuple[str, PiecewisePolynomial, PiecewisePolynomial]]:
+    """Yield name, fast and slow curve: the figure of eight, and the first random ones that can be flown upright."""
+    wanted = chain([("lemniscate", lemniscate())], ((f"random {seed}", wander(seed)) for seed in count()))
+    curves = ((name, scaled(*shape, PEAK_SPEED, PEAK_ACCELERATION), scaled(*shape, 5.0, 4.0)) for name, shape in wanted)
+    return islice((found for found in curves if flyable(found[1])), 1 + RANDOM)
+
+
 def tracking() -> Iterator[Task]:
     """Yield the flights of the trackers: as known, with everything wrong, with a noisy estimate, and at 5 m/s."""
-    shapes = {"lemniscate": lemniscate(), **{f"random {seed}": wander(seed) for seed in range(5)}}
-    for name, (points, times) in shapes.items():
-        fast = scaled(points, times, PEAK_SPEED, PEAK_ACCELERATION)
-        slow = scaled(points, times, 5.0, 4.0)
+    for name, fast, slow in shapes():
         for law in trackers():
             known, gentle = racing(fast, name, law), racing(slow, name, law)
             noisy = replace(known, noise=Noise(position=0.01, velocity=0.03, acceleration=0.3, delay=0.005))
