@@ -26,6 +26,8 @@ LIMITS, CALM, EXACT, STANDARD = Limits(), Wind(), Noise(), Air()
 class OpenSky:
     """A world without obstacles."""
 
+    optimism = 0.0
+
     def __init__(self, ground: float = 0.0, bounds: Array | None = None) -> None:
         self.ground, self.bounds = ground, bounds
 

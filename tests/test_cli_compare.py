@@ -1,6 +1,7 @@
 """`crosstrack compare`: what it prints where, what it leaves behind, and how it exits."""
 
 import csv
+import io
 import json
 import os
 import signal
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from crosstrack.campaign.ranking import Row, Spread
+from crosstrack.campaign.store import Store
 from crosstrack.cli import comparing
 from crosstrack.cli.app import run
 from crosstrack.cli.comparing import table
@@ -90,6 +92,8 @@ def test_a_flight_that_dies_is_told_and_the_others_are_ranked(
         (["compare", "hop.yaml", "--wind", "-2,0"], "-2,0: must be mission, calm, E,N,U"),
         (["compare", "hop.yaml", "--seeds", "0"], "seeds: must be at least 1"),
         (["compare", "hop.yaml", "--workers", "0"], "workers: 1 problem"),
+        (["compare", "hop.yaml", "--workers", "1000000"], "must be from 1 to 1024, found 1000000"),
+        (["compare", "none.yaml", "--trackers", "carrot:x", "--wind", "gale"], "compare: 3 problems"),
         (["compare", "hop.yaml", "hop.yaml"], "hop: is the name of 2 missions"),
         (["compare", "none.yaml"], "none.yaml: 1 problem"),
         (["compare", "none.yaml", "nor.yaml"], "nor.yaml: cannot be read"),
@@ -105,6 +109,13 @@ def test_bad_input_is_said_without_flying(
     assert out == ""
     assert message in err
     assert not (folder / "runs").exists()
+
+
+def test_two_at_once_do_not_share_a_folder(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "here").mkdir()
+    with Store(folder / "here/results.jsonl"):
+        assert run(["compare", "hop.yaml", "--trackers", "carrot", "--out", "here"]) == 2
+    assert "here/results.jsonl: 1 problem\n  another campaign is writing here" in capsys.readouterr().err
 
 
 def test_ctrl_c_keeps_the_flights_and_says_how_to_go_on(folder: Path) -> None:
@@ -131,3 +142,19 @@ def test_what_is_empty_is_no_column_and_names_are_no_markup() -> None:
         "", "tracker", "arrived", "cross-track RMS, m", "largest, m", "time ratio",
     ]  # fmt: skip
     assert comparing.between(Spread(0.2, 0.1, float("inf"))) == "0.200 (0.100 to never)"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii", "latin-1"])
+def test_tables_are_printed_in_any_encoding(encoding: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(written, encoding))
+    comparing.show([table([Row("carrot", 1, 1, 0, 0, Spread(0.1, 0.1, 0.1), 0.3, None, None)], "é \u2708")])
+    sys.stdout.flush()
+    text = written.getvalue().decode(encoding)
+    assert "carrot" in text
+    assert text.startswith({"utf-8": "é \u2708", "ascii": "? ?", "latin-1": "é ?"}[encoding])
+
+
+def test_a_closed_standard_output_is_no_harm(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    comparing.show([table([Row("carrot", 1, 1, 0, 0, None, None, None, None)], "hop")])

@@ -1,5 +1,6 @@
 """`crosstrack tune`, from the command line to the files."""
 
+import errno
 import json
 from collections.abc import Generator, Sequence
 from pathlib import Path
@@ -9,7 +10,7 @@ import pytest
 
 import crosstrack as ct
 from crosstrack.campaign.task import Done, Task, attempt
-from crosstrack.cli import comparing
+from crosstrack.cli import comparing, tuning
 from crosstrack.cli.app import run
 from crosstrack.mission import export_plan, loads
 
@@ -98,3 +99,28 @@ def test_bad_input_is_one_message_with_everything_wrong(hop: Path, capsys: pytes
     assert run(["tune", str(hop), "--out", "tuned.txt"]) == 2
     assert "must be a file that ends in .yaml" in capsys.readouterr().err
     assert not Path("runs").exists()
+
+
+def test_what_cannot_be_written_is_said_before_anything_flies(hop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = hop.read_text()
+    assert run(["tune", str(hop), *SHORT, "--out", "missions/../missions/hop.yaml"]) == 2
+    assert "hop.yaml: is the mission that is tuned: name another file" in capsys.readouterr().err
+    Path("tuned.html").mkdir()
+    assert run(["tune", str(hop), *SHORT, "--out", "tuned.yaml"]) == 2
+    assert capsys.readouterr().err == "tuned.html: Is a directory\n"
+    assert not Path("tuned.yaml").exists()
+    assert hop.read_text() == before
+
+
+@pytest.mark.usefixtures("here")
+def test_what_was_found_is_told_where_the_disk_is_full(
+    hop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*given: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(tuning, "write", full)
+    assert run(["tune", str(hop), "--parameter", "lookahead=0.5:10", "--budget", "7", "--json"]) == 2
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["parameters"]["lookahead"]["before"] == 8.0
+    assert printed.err.endswith("hop.yaml: No space left on device\n")

@@ -56,6 +56,10 @@ class Map(Protocol):
     def bounds(self) -> Array | None:
         """(2, 3) m, lowest and highest corner of the space that may be flown, which are no obstacle"""
 
+    @property
+    def optimism(self) -> float:
+        """m, by which the distance may exceed the true one"""
+
     def distance(self, points: Array) -> Array:
         """Return the signed distance from `points` (..., 3) to the nearest obstacle, (...), m; inf without any.
 

@@ -132,9 +132,22 @@ def test_a_run_that_no_one_reads_on_is_given_up(two: Local, tmp_path: Path) -> N
     assert results(two, [task := chore("echo", number=-2)])[task.key].value == {"number": -2}
 
 
-def test_less_than_one_worker_is_refused() -> None:
-    with pytest.raises(InputError, match="must be at least 1, found 0"):
-        Local(0)
+def test_a_worker_that_is_about_to_end_is_given_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    with Local(1) as one:
+        (first,) = one.run([chore("pid", number=0)])
+        process = one.workers[0].process
+        assert process is not None
+        monkeypatch.setattr(process, "kill", lambda: None)  # a signal that takes its time
+        one.stop()
+        (second,) = one.run([chore("pid", number=1)])
+    assert second.error is None
+    assert second.value != first.value
+
+
+@pytest.mark.parametrize("count", [-1, 0, 1025, 10**9])
+def test_a_number_of_workers_that_cannot_be_is_refused(count: int) -> None:
+    with pytest.raises(InputError, match=f"must be from 1 to 1024, found {count}"):
+        Local(count)
 
 
 CAMPAIGN = """

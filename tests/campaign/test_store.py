@@ -9,7 +9,7 @@ import pytest
 from chores import chore
 
 from crosstrack.campaign.complete import complete, kept
-from crosstrack.campaign.store import Store
+from crosstrack.campaign.store import LONGEST, Store
 from crosstrack.campaign.task import Done, Task, attempt, task
 from crosstrack.errors import InputError
 
@@ -68,7 +68,18 @@ def test_a_file_cut_anywhere_keeps_its_whole_lines_and_is_written_on(tmp_path: P
 
 
 @pytest.mark.parametrize(
-    "content", ["hello\n", "{}\n", '{"key": [], "value": 1, "error": null, "seconds": 1}\n', "[" * 9999 + "\n"]
+    "content",
+    [
+        "hello\n",
+        "hello",
+        "{}\n",
+        '{"key": [], "value": 1, "error": null, "seconds": 1.0}\n',
+        '{"key": "k", "value": 1, "error": 2, "seconds": 1.0}\n',
+        '{"key": "k", "value": 1, "error": null, "seconds": "long"}\n',
+        "[" * 9999 + "\n",
+        '{"key": "' + LONGEST * "x",
+    ],
+    ids=["text", "text without an end", "empty", "key", "error", "seconds", "deep", "long"],
 )
 def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path, content: str) -> None:
     path = tmp_path / "results.jsonl"
@@ -76,6 +87,17 @@ def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path, cont
     with pytest.raises(InputError, match="line 1: is no result of a campaign"):
         Store(path)
     assert path.read_text() == content
+
+
+def test_one_campaign_at_a_time_writes_to_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    with Store(path) as first:
+        first.add(SOME[0])
+        with pytest.raises(InputError, match="another campaign is writing here"):
+            Store(path)
+        first.add(SOME[1])
+    with Store(path) as second:
+        assert list(second.kept.values()) == SOME[:2]
 
 
 def test_results_are_in_the_order_of_the_tasks() -> None:

@@ -203,6 +203,13 @@ def test_everything_wrong_with_parameters_is_said_at_once() -> None:
     assert "from 0 on, up to 1" in told[1]
 
 
+def test_a_range_is_of_numbers_that_a_mission_may_have() -> None:
+    with pytest.raises(InputError, match=r"gain: must be above 0, up to 1e\+09, found 1e-300:1e\+300"):
+        axes_of(Law(), ["gain=1e-300:1e300"])
+    (widest,) = axes_of(Law(), ["gain=1e-300:1e9"])
+    assert widest.at(0.5) == pytest.approx(math.sqrt(1e-300 * 1e9), rel=1e-3)
+
+
 def test_everything_wrong_with_a_tuning_is_said_at_once() -> None:
     with pytest.raises(InputError) as error:
         tuning(loads(SLALOM), parameters=["lookahead=3:2"], cost="speed", winds=["gale"], budget=3)
@@ -211,6 +218,8 @@ def test_everything_wrong_with_a_tuning_is_said_at_once() -> None:
     ]  # fmt: skip
     with pytest.raises(InputError, match="unknown tracker"):
         tuning(loads(SLALOM), "carot")
+    with pytest.raises(InputError, match=r"--cost: must be \[NUMBER\*\]METRIC \[\+ ...\], found nothing"):
+        tuning(loads(SLALOM), cost="")
     with pytest.raises(InputError, match="no planner"):
         tuning(loads(SLALOM), cost="tracking_rms_m")
     with pytest.raises(InputError, match="--seeds"):

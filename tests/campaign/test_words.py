@@ -46,7 +46,9 @@ def test_the_mission_keeps_its_own() -> None:
         ("carrot:=2", "'=2' must be FIELD=VALUE"),
         ("carrot:lookahead=2,lookahead=3", "lookahead is given twice"),
         ("carrot:kind=nlgl", "kind is given twice"),
-        ("", "must be the name of a tracker"),
+        ("carrot:lookahead=[1", r"carrot:lookahead=\[1: lookahead: not YAML"),
+        ("carrot:lookahead=!!a 1", r"carrot:lookahead=!!a 1: lookahead: YAML tags are not used"),
+        ("", "trackers: must be the name of a tracker"),
         (":lookahead=2", "must be the name of a tracker"),
     ],
 )

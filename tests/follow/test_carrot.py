@@ -111,6 +111,42 @@ def test_the_cross_track_gain_pulls_along_the_normal_of_the_path(direction: tupl
     np.testing.assert_allclose(pushes[1] - pushes[0], -2.0 * 0.5 * across, atol=1e-9)
 
 
+@given(st.lists(st.floats(-0.5, 0.5), min_size=1, max_size=20), st.floats(0.1, 2), st.floats(0.01, 0.5))
+def test_the_heading_is_controlled_by_pid(angles: list[float], integral: float, derivative: float) -> None:
+    """The turn asked for is K sine + K_I its sum over time + K_D its difference over time, over the course flown."""
+    period, speed = 0.02, 3.0
+    law = Carrot(heading_gain=0.7, heading_integral=integral, heading_derivative=derivative, drift_gain=0.0)
+    plan = plan_for(LEG, vehicle=Point())
+    memory = law.start(plan.course, state((10.0, 0, 10), (speed, 0, 0)))
+    total, before = np.zeros(3), np.zeros(3)
+    for angle in angles:
+        flown_along = np.array([math.cos(angle), math.sin(angle), 0.0])
+        here = state((10.0, 0, 10), (speed * flown_along[0], speed * flown_along[1], 0.0))
+        command, memory = law.step(memory, plan.course, here, period)
+        sine = math.sin(angle) * np.array([math.sin(angle), -math.cos(angle), 0.0])
+        total = total + period * sine
+        rate = 0.7 * sine + integral * total + derivative / period * (sine - before)
+        before = sine
+        np.testing.assert_allclose(command.acceleration, 5.0 * rate, atol=1e-9)
+
+
+def test_the_integral_asks_for_half_of_the_acceleration_at_most() -> None:
+    law = Carrot(heading_gain=0.0, heading_integral=5.0)
+    plan = plan_for(LEG)
+    here = state((20.0, 0, 10), (0.0, 5.0, 0))
+    memory = law.start(plan.course, here)
+    for _ in range(500):
+        command, memory = law.step(memory, plan.course, here, 0.02)
+    assert np.linalg.norm(command.acceleration) == pytest.approx(plan.course.envelope.acceleration / 2, rel=0.05)
+
+
+def test_integral_and_derivative_do_not_unsettle_it() -> None:
+    law = Carrot(heading_integral=0.5, heading_derivative=0.1)
+    report = flown([[0, 0, 10], [20, 0, 10], [20, 20, 10]], tracker=law, wind=Wind((0.0, 2.5, 0.0)))
+    assert report.arrived
+    assert report.captured_rms <= 0.1
+
+
 def test_duplicate_waypoints_are_one() -> None:
     twice = [[0, 0, 10], [0, 0, 10], [10, 0, 10], [10, 0, 10], [10, 10, 10], [10, 10, 10]]
     once = [[0, 0, 10], [10, 0, 10], [10, 10, 10]]

@@ -149,7 +149,8 @@ def moved(points: Array, turn: float, mirror: bool) -> Array:
     """Turn points (..., 3) about the vertical (rad), after mirroring them at the plane y = 0."""
     cosine, sine = math.cos(turn), math.sin(turn)
     matrix = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]]) @ np.diag([1.0, -1.0 if mirror else 1.0, 1.0])
-    return np.asarray(points, float) @ matrix.T
+    turned: Array = np.asarray(points, float) @ matrix.T
+    return turned
 
 
 @pytest.mark.parametrize("mirror", [False, True])

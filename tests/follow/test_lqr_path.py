@@ -61,7 +61,9 @@ def test_a_vehicle_that_starts_backwards_turns_round() -> None:
 def test_it_keeps_within_its_bound_in_wind_and_gusts() -> None:
     """The error stays within the bound from the first time that it is inside."""
     law = LqrPath(error_bound=0.3)
-    report = flown([[0, 0, 20], [80, 0, 20]], wind=Wind((0.0, 2.5, 0.0), "moderate"), start=(0.0, 1.0, 20.0), tracker=law)
+    report = flown(
+        [[0, 0, 20], [80, 0, 20]], wind=Wind((0.0, 2.5, 0.0), "moderate"), start=(0.0, 1.0, 20.0), tracker=law
+    )
     inside = np.flatnonzero(report.error < 0.3)[0]
     assert report.arrived
     assert report.error[inside:].max() < 0.3

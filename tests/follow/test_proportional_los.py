@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from crosstrack.follow.proportional_los import ProportionalLos
-from crosstrack.types import State
+from crosstrack.types import State, Wind
 from crosstrack.vehicles.point import Point
+from crosstrack.vehicles.quadrotor import Quadrotor
 
 LEG = [[0, 0, 10], [60, 0, 10]]
 
@@ -71,3 +72,12 @@ def test_more_weight_on_the_line_comes_to_it_sooner() -> None:
     ]
     first = [int(np.argmax(error < 0.5)) for error in errors]
     assert first[1] < first[0]
+
+
+@pytest.mark.parametrize("vehicle", [Point(), Quadrotor()])
+def test_a_crosswind_leaves_no_offset(vehicle: Any) -> None:
+    report = flown(
+        [[0, 0, 10], [60, 0, 10]], vehicle=vehicle, speed=3.0, wind=Wind((0, 1.5, 0)), tracker=ProportionalLos()
+    )
+    assert report.arrived
+    assert report.error[len(report.error) // 2 :].max() < 0.05

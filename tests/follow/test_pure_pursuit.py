@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 
 from crosstrack.follow.guidance import Foot
 from crosstrack.follow.pure_pursuit import PurePursuit, point_ahead
+from crosstrack.follow.speed import SpeedProfile
 from crosstrack.path.pieces import Pieces
 from crosstrack.path.polyline import Polyline
-from crosstrack.types import State
+from crosstrack.types import State, Wind
 from crosstrack.vehicles.point import Point
+from crosstrack.vehicles.quadrotor import Quadrotor
 
 LEG = [[0, 0, 10], [60, 0, 10]]
 
@@ -65,7 +67,7 @@ def test_on_a_circle_it_asks_for_the_centripetal_acceleration(radius: float) -> 
         np.array([2 * math.pi * radius]),
     )
     plan = plan_for(LEG, speed=4.0)
-    course = replace(plan.course, path=circle, speed=lambda s, order=0: np.full(np.shape(s), 0.0 if order else 4.0))
+    course = replace(plan.course, path=circle, speed=SpeedProfile(np.array([0.0, circle.length]), np.array([4.0, 4.0])))
     here = at([radius, 0, 10], [0, 4, 0])
     law = PurePursuit(lookahead=3.0)
     command, _ = law.step(law.start(course, here), course, here, 0.02)
@@ -93,3 +95,10 @@ def test_the_aim_stays_on_this_side_of_a_turn_back() -> None:
     np.testing.assert_allclose(point_ahead(corner, foot, 4.0), [10, 3, 10], atol=1e-9)
     foot = Foot(18.0, corner(18.0), corner(18.0, 1), 5.0, np.zeros(3), 0.0, False)
     np.testing.assert_allclose(point_ahead(corner, foot, 4.0), [10, 12, 10], atol=1e-9)
+
+
+@pytest.mark.parametrize("vehicle", [Point(), Quadrotor()])
+def test_a_crosswind_leaves_no_offset(vehicle: Any) -> None:
+    report = flown([[0, 0, 10], [60, 0, 10]], vehicle=vehicle, speed=3.0, wind=Wind((0, 1.5, 0)), tracker=PurePursuit())
+    assert report.arrived
+    assert report.error[len(report.error) // 2 :].max() < 0.05

@@ -16,7 +16,6 @@ from crosstrack.track.attitude import (
     drag_while,
     error_of,
     rate_along,
-    reachable,
 )
 from crosstrack.types import GRAVITY, Array
 
@@ -89,18 +88,6 @@ def test_drag_while_flying_agrees_with_the_thrust_that_meets_it() -> None:
     drag = np.array(drag_while(axes, tuple(air), tuple(need), linear, square))
     effort = math.sqrt((need - drag) @ turn.as_matrix()[:, 2] / GRAVITY)
     np.testing.assert_allclose(drag, drag_of(axes, tuple(air), effort, linear, square), rtol=0.02)
-
-
-@given(PUSH, PUSH, st.floats(-20.0, 60.0))
-def test_what_can_be_reached_keeps_tilt_and_thrust(x: float, y: float, z: float) -> None:
-    least, most, tilt = 3.0, 25.0, 1.5
-    found = np.array(reachable(x, y, z, least, most, tilt))
-    assert np.linalg.norm(found) <= most * (1 + 1e-12)
-    assert found[2] >= least
-    assert np.hypot(found[0], found[1]) <= tilt * found[2] * (1 + 1e-12)
-    assert found[0] * y == pytest.approx(found[1] * x, abs=1e-9)
-    if least <= z and np.hypot(x, y) <= tilt * z and np.linalg.norm([x, y, z]) <= most:
-        np.testing.assert_allclose(found, [x, y, z])
 
 
 @given(PUSH, PUSH, PUSH)

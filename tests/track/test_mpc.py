@@ -14,11 +14,11 @@ from crosstrack.flight.loop import fly
 from crosstrack.flight.plan import Plan
 from crosstrack.path.pace import course_of
 from crosstrack.track import condensed
-from crosstrack.track.attitude import drag_of
+from crosstrack.track.attitude import drag_of, easing_of
 from crosstrack.track.geometric import Geometric
 from crosstrack.track.mpc import Mpc, MpcMemory, planned
 from crosstrack.track.mpc_design import STEP, STEPS, Design, deviations, thrust_rows
-from crosstrack.track.mpc_preview import deviation, easing_of, preview
+from crosstrack.track.mpc_preview import deviation, preview
 from crosstrack.track.reference import reference
 from crosstrack.trajectory.flatness.flat import flatten
 from crosstrack.trajectory.minimum_derivative import minimum
@@ -217,8 +217,9 @@ def test_where_the_solver_gives_up_it_flies_the_law_without_bounds(monkeypatch: 
 @pytest.mark.parametrize(
     ("rate", "mismatch", "wind", "bound"),
     [
-        (50.0, Mismatch(), Wind(), 0.025),
-        (100.0, Mismatch(), Wind(), 0.025),
+        (50.0, Mismatch(), Wind(), 0.035),
+        (100.0, Mismatch(), Wind(), 0.035),
+        (20.0, Mismatch(motor_time=1.5), Wind(), 0.06),
         (50.0, Mismatch(mass=1.1, drag=1.2), Wind(mean=(2.0, 3.0, 0.0), gusts="moderate"), 0.09),
     ],
 )

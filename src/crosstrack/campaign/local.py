@@ -21,6 +21,8 @@ from crosstrack.errors import InputError, Problem
 COMMAND = (sys.executable, "-P", "-m", "crosstrack.campaign.worker")
 SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """set to 1 in workers: there is one for every core already"""
+MOST = 1024
+"""workers at once"""
 
 
 class Local:
@@ -29,15 +31,15 @@ class Local:
     A worker that dies costs the one task it had, and another takes its place.
 
     Args:
-        workers: how many at once, at least 1; by default one for every core that this process may use
+        workers: how many at once, from 1 to 1024; by default one for every core that this process may use
 
     Raises:
-        InputError: less than one worker.
+        InputError: fewer or more workers.
     """
 
     def __init__(self, workers: int | None = None) -> None:
-        if workers is not None and workers < 1:
-            raise InputError("workers", [Problem("", f"must be at least 1, found {workers}")])
+        if workers is not None and not 1 <= workers <= MOST:
+            raise InputError("workers", [Problem("", f"must be from 1 to {MOST}, found {workers}")])
         self.workers = [Worker() for _ in range(workers or cores())]
         self.idle: SimpleQueue[Worker] = SimpleQueue()
         for worker in self.workers:
@@ -100,14 +102,17 @@ class Worker:
 
     def __init__(self) -> None:
         self.process: subprocess.Popen[str] | None = None
+        self.killed = False
+        """whether the process was told to end, which it may not have done yet"""
         self.last_words = ""
         """how the process before this one ended"""
 
     def start(self) -> None:
         """Start the process, unless it runs."""
-        if self.process is not None and self.process.poll() is not None:
+        if self.process is not None and (self.killed or self.process.poll() is not None):
             self.bury()
         if self.process is None:
+            self.killed = False
             self.process = subprocess.Popen(
                 COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8", env=environment()
             )
@@ -131,6 +136,7 @@ class Worker:
         """End the process at once, if it runs."""
         process = self.process
         if process is not None:
+            self.killed = True
             process.kill()
 
     def bury(self) -> None:

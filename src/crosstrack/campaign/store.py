@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import ExitStack
 from dataclasses import asdict, fields
 from pathlib import Path
 from types import TracebackType
@@ -11,6 +12,10 @@ from crosstrack.campaign.task import Done
 from crosstrack.errors import InputError, Problem
 
 FIELDS = {field.name for field in fields(Done)}
+BEGINS = b'{"key": "'
+"""every line"""
+LONGEST = 16_000_000
+"""bytes of a line; a flight takes some 50 thousand"""
 
 
 class Store:
@@ -20,7 +25,7 @@ class Store:
         path: the file; it is made where it is missing
 
     Raises:
-        InputError: it holds something else.
+        InputError: it holds something else, or another campaign writes to it.
         OSError: it cannot be read or written.
     """
 
@@ -28,10 +33,12 @@ class Store:
         self.path = Path(path)
         self.kept: dict[str, Done] = {}
         """what is on disk, by the key of its task; the last one counts"""
-        self.path.touch()
-        whole = self.load()
         self.file: BinaryIO = self.path.open("ab")
-        self.file.truncate(whole)
+        with ExitStack() as unless_ours:
+            unless_ours.callback(self.file.close)
+            lock(self.file, self.path)
+            self.file.truncate(self.load())
+            unless_ours.pop_all()
 
     def __enter__(self) -> Self:
         """Return itself."""
@@ -47,12 +54,12 @@ class Store:
         """Read what is there, and return the bytes of whole lines: one that was cut off is dropped."""
         whole = 0
         with self.path.open("rb") as file:
-            for number, line in enumerate(file, start=1):
-                if not line.endswith(b"\n"):
+            for number, line in enumerate(iter(lambda: file.readline(LONGEST), b""), start=1):
+                if len(line) < LONGEST and not line.endswith(b"\n") and line.startswith(BEGINS[: len(line)]):
                     break
                 done = parsed(line)
                 if done is None:
-                    message = "is no result of a campaign: move the file away, or name another folder"
+                    message = "is no result of a campaign: take it out, move the file away, or name another folder"
                     raise InputError(str(self.path), [Problem("", message, number)])
                 self.kept[done.key] = done
                 whole += len(line)
@@ -72,5 +79,24 @@ def parsed(line: bytes) -> Done | None:
         value = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    ours = isinstance(value, dict) and value.keys() == FIELDS and isinstance(value["key"], str)
-    return Done(**value) if ours else None
+    if not (line.endswith(b"\n") and isinstance(value, dict) and value.keys() == FIELDS):
+        return None
+    kinds = isinstance(value["key"], str), isinstance(value["error"], str | None), isinstance(value["seconds"], float)
+    return Done(**value) if all(kinds) else None
+
+
+def lock(file: BinaryIO, path: Path) -> None:
+    """Keep other campaigns off a file until it is closed; a process that is killed closes it too.
+
+    Raises:
+        InputError: another one has it.
+    """
+    try:
+        from fcntl import LOCK_EX, LOCK_NB, flock  # noqa: PLC0415 - Windows has none
+    except ModuleNotFoundError:
+        return
+    try:
+        flock(file, LOCK_EX | LOCK_NB)
+    except BlockingIOError:
+        message = "another campaign is writing here: wait for it, or name another folder"
+        raise InputError(str(path), [Problem("", message)]) from None

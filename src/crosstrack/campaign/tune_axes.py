@@ -11,6 +11,7 @@ from crosstrack.campaign.tune_search import Axis
 from crosstrack.errors import InputError, Problem
 from crosstrack.mission.document import hints
 from crosstrack.mission.parts import suggest
+from crosstrack.mission.values import LARGEST
 
 FACTOR = 5.0
 """a parameter is searched from its value over this to its value times this"""
@@ -95,8 +96,8 @@ def base_of(hint: Any) -> Any:
 
 
 def bounds(hint: Any) -> tuple[float, float]:
-    """Return the least and the largest float that the annotations of a type allow."""
-    low, high = -sys.float_info.max, sys.float_info.max
+    """Return the least and the largest number that the annotations of a type allow in a mission."""
+    low, high = -LARGEST, LARGEST
     for mark in get_args(hint)[1:]:
         match mark:
             case Ge(limit):
@@ -112,9 +113,5 @@ def bounds(hint: Any) -> tuple[float, float]:
 
 def between(low: float, high: float) -> str:
     """Say what a range allows."""
-    above, below = f"from {low:.6g} on", f"up to {high:.6g}"
-    if 0 < low < sys.float_info.min:
-        above = "above 0"
-    if high < sys.float_info.max:
-        return below if low <= -sys.float_info.max else f"{above}, {below}"
-    return above
+    above = "above 0" if 0 < low < sys.float_info.min else f"from {low:.6g} on"
+    return f"{above}, up to {high:.6g}"

@@ -54,7 +54,8 @@ def parse_cost(text: str) -> tuple[Term, ...]:
     while True:
         match = TERM.match(text, at)
         if match is None:
-            problems.append(Problem("", f"must be [NUMBER*]METRIC [+ ...], found {text[at:].strip() or 'nothing'!r}"))
+            rest = text[at:].strip()
+            problems.append(Problem("", f"must be [NUMBER*]METRIC [+ ...], found {repr(rest) if rest else 'nothing'}"))
             break
         weight, metric = float(match[1] or 1), match[2]
         terms.append(Term(weight, metric))

@@ -46,7 +46,7 @@ class Axis:
     def at(self, unit: float) -> float:
         """Return the value of a coordinate in [0, 1], rounded but within the range."""
         if self.logarithmic:
-            value = self.low * (self.high / self.low) ** unit
+            value = self.low ** (1 - unit) * self.high**unit
         else:
             value = self.low + (self.high - self.low) * unit
         return min(max(float(f"{value:.{DIGITS}g}"), self.low), self.high)

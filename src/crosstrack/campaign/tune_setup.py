@@ -133,7 +133,7 @@ def attempt(make: Callable[[], Made], flag: str, problems: list[Problem]) -> Mad
 def terms_for(mission: Mission, text: str | None) -> tuple[Term, ...]:
     """Return the terms of the cost: by default the error that the tracker is made to keep small."""
     tracker: Any = mission.tracker
-    terms = parse_cost(text or (TRACKING if "trajectory" in tracker.needs else FOLLOWING))
+    terms = parse_cost(text if text is not None else TRACKING if "trajectory" in tracker.needs else FOLLOWING)
     if mission.planner is None and any(term.metric.startswith("tracking_") for term in terms):
         raise InputError("--cost", [Problem("", "the mission has no planner, so there is no trajectory to track")])
     return terms

@@ -52,9 +52,12 @@ def tracker_document(word: str) -> dict[str, Any] | None:
         elif field in document:
             problems.append(Problem(word, f"{field} is given twice"))
         else:
-            document[field] = parse(value, word).value
+            try:
+                document[field] = parse(value, word).value
+            except InputError as error:
+                problems += [Problem(word, f"{field}: {problem.message}") for problem in error.problems]
     if not name:
-        problems.append(Problem(word, f"must be the name of a tracker, or {OWN}; found {word!r}"))
+        problems.append(Problem(word or "trackers", f"must be the name of a tracker, or {OWN}; found {word!r}"))
     if problems:
         raise InputError("trackers", problems)
     return document
@@ -82,7 +85,7 @@ def wind_of(word: str, frame: str) -> Wind | None:
     if len(mean) != 3 or gusts not in GUSTS or not all(abs(speed) <= LARGEST for speed in mean):
         known = f"with GUSTS one of {', '.join(GUSTS)}"
         message = f"must be {OWN}, {CALM}, E,N,U or E,N,U,GUSTS: the velocity of the air, m/s, {known}"
-        raise InputError("wind", [Problem(word, message)])
+        raise InputError("wind", [Problem(word or "wind", f"{message}; found {word!r}")])
     east, north, up = ned_from_enu(np.array(mean)).tolist() if frame == "ned" else mean
     return Wind((east, north, up), cast(Any, gusts))
 

@@ -1,5 +1,6 @@
 """What `crosstrack compare` does."""
 
+import io
 import json
 import sys
 import time
@@ -12,7 +13,7 @@ from crosstrack import mission as missions
 from crosstrack.campaign.cluster import Cluster
 from crosstrack.campaign.compare import Comparison, compared
 from crosstrack.campaign.complete import complete, kept
-from crosstrack.campaign.grid import fitting, grid
+from crosstrack.campaign.grid import badly_written, fitting, grid
 from crosstrack.campaign.local import Local
 from crosstrack.campaign.ranking import Row, Spread
 from crosstrack.campaign.runner import Runner
@@ -47,10 +48,10 @@ def compare(
     png: bool,
 ) -> int:
     """Fly missions with several trackers, and write and print how each did."""
-    chosen = loaded(files, settings)
+    words = [word for text in trackers for word in tracker_words(text)]
+    chosen = loaded(files, settings, words, winds)
     say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
-    words = [word for text in trackers for word in tracker_words(text)] or fitting(chosen)
-    tasks = grid(chosen, words, winds or [OWN], seeds)
+    tasks = grid(chosen, words or fitting(chosen), winds or [OWN], seeds)
     folder = made(out or Path("runs") / "compare")
     with named(folder), Store(folder / RESULTS) as store:
         before = kept(tasks, store)
@@ -73,7 +74,7 @@ def runner_for(workers: int | None, cluster: str | None) -> Runner:
     """Return what flies: processes of this machine, or a cluster.
 
     Raises:
-        InputError: less than one worker, both, or a cluster that cannot be used.
+        InputError: a number of workers that cannot be, both, or a cluster that cannot be used.
     """
     if cluster is None:
         return Local(workers)
@@ -82,11 +83,14 @@ def runner_for(workers: int | None, cluster: str | None) -> Runner:
     return Cluster(cluster)
 
 
-def loaded(files: Sequence[Path], settings: Sequence[str]) -> list[missions.Mission]:
+def loaded(
+    files: Sequence[Path], settings: Sequence[str], words: Sequence[str], winds: Sequence[str]
+) -> list[missions.Mission]:
     """Return missions.
 
     Raises:
-        InputError: everything that is wrong with all of them.
+        InputError: everything that is wrong with all of them; then also what is wrong with trackers and winds by
+            themselves.
     """
     found, errors = [], list[InputError]()
     for file in files:
@@ -94,11 +98,13 @@ def loaded(files: Sequence[Path], settings: Sequence[str]) -> list[missions.Miss
             found.append(missions.load(file, settings))
         except InputError as error:
             errors.append(error)
-    if len(errors) == 1:
+    if not errors:
+        return found
+    others = list(badly_written(words, winds))
+    if len(errors) == 1 and not others:
         raise errors[0]
-    if errors:
-        raise InputError("compare", [Problem(error.source, str(p)) for error in errors for p in error.problems])
-    return found
+    problems = [Problem(error.source, str(problem)) for error in errors for problem in error.problems]
+    raise InputError("compare", [*problems, *others])
 
 
 def write(comparison: Comparison, folder: Path, png: bool) -> None:
@@ -118,23 +124,37 @@ def tell(comparison: Comparison, folder: Path, as_json: bool) -> None:
     if as_json:
         print(json.dumps(comparison.document(), indent=2))
         return
+    names = comparison.missions
+    shown = [table(comparison.ranking(name), name) for name in names] if len(names) > 1 else []
+    show([*shown, table(comparison.ranking(), "all missions" if len(names) > 1 else names[0])])
+    print(f"{ORDER}\nPage: {folder / PAGE}")
+
+
+def show(tables: Sequence[Any]) -> None:
+    """Print tables on standard output, with a question mark for what its encoding lacks.
+
+    They are rendered first: an output that is closed or full is then met by `print`, as anywhere else.
+    """
     from rich.console import Console
 
-    console = Console(
-        width=None if sys.stdout.isatty() else WIDTH, markup=False, highlight=False, emoji=False, soft_wrap=False
-    )
-    names = comparison.missions
-    for name in names if len(names) > 1 else ():
-        console.print(table(comparison.ranking(name), name))
-    console.print(table(comparison.ranking(), "all missions" if len(names) > 1 else names[0]))
-    print(f"Page: {folder / PAGE}")
+    terminal = sys.stdout is not None and sys.stdout.isatty()
+    encoding = sys.stdout.encoding if sys.stdout is not None else "utf-8"
+    with io.TextIOWrapper(io.BytesIO(), encoding, errors="replace", newline="\n") as page:
+        console = Console(
+            file=page, force_terminal=terminal, width=None if terminal else WIDTH,
+            markup=False, highlight=False, emoji=False, soft_wrap=False,
+        )  # fmt: skip
+        for each in tables:
+            console.print(each)
+        page.seek(0)
+        print(page.read(), end="")
 
 
 def table(rows: Sequence[Row], title: str) -> Any:
     """Return a ranking as a table; columns in which there is nothing are left out."""
     from rich.table import Table
 
-    shown = Table(title=title, title_justify="left", caption=ORDER, caption_justify="left")
+    shown = Table(title=title, title_justify="left")
     shown.add_column("", justify="right")
     shown.add_column("tracker", overflow="fold", min_width=min(NAME, max(len(row.tracker) for row in rows)))
     cells = {

@@ -18,6 +18,7 @@ from crosstrack.campaign.tune_search import Axis, Trial
 from crosstrack.campaign.tune_setup import Tuning, tuning
 from crosstrack.campaign.words import OWN
 from crosstrack.cli import codes
+from crosstrack.cli.comparing import show
 from crosstrack.cli.verbs import made, named
 from crosstrack.cli.watch import LINE_EVERY, say
 from crosstrack.errors import InputError, Problem
@@ -45,22 +46,42 @@ def run(
     """Tune a tracker, write the mission with what was found, and tell how much better it is."""
     mission = missions.load(file, settings)
     what = tuning(mission, tracker, parameters=parameters, cost=cost, winds=winds or [OWN], seeds=seeds, budget=budget)
-    path = out or Path("runs") / "tune" / f"{mission.name}.yaml"
-    if path.suffix not in {".yaml", ".yml"} or path.is_dir():
-        raise InputError("--out", [Problem(str(path), "must be a file that ends in .yaml")])
-    made(path.parent)
+    path = claimed(out or Path("runs") / "tune" / f"{mission.name}.yaml", file)
     try:
         with runner as workers, Count(what) as count:
             found = tune(what, workers, count)
     except KeyboardInterrupt:
         say("interrupted before the present values were measured: nothing is written")
         raise
-    with named(path):
-        write(found, mission, path)
-    tell(found, path, as_json)
+    try:
+        with named(path):
+            write(found, mission, path)
+    finally:  # also where the disk is full by now: flights are not flown for nothing
+        tell(found, path, as_json)
     for remark in remarks(found):
         say(f"note: {remark}")
     return codes.INTERRUPTED if found.interrupted else codes.DONE
+
+
+def claimed(path: Path, mission: Path) -> Path:
+    """Return a path after trying that it and the page beside it can be written, before anything flies.
+
+    Raises:
+        InputError: it is no YAML file, or the mission that is tuned, with the comments that its author wrote.
+        OSError: it cannot be written.
+    """
+    if path.suffix not in {".yaml", ".yml"} or path.is_dir():
+        raise InputError("--out", [Problem(str(path), "must be a file that ends in .yaml")])
+    if path.exists() and path.samefile(mission):
+        raise InputError("--out", [Problem(str(path), "is the mission that is tuned: name another file")])
+    made(path.parent)
+    for file in (path, path.with_suffix(".html")):
+        new = not file.exists()
+        with file.open("ab"):
+            pass
+        if new:
+            file.unlink()
+    return path
 
 
 def write(found: Tuned, mission: missions.Mission, path: Path) -> None:
@@ -100,10 +121,8 @@ def tell(found: Tuned, path: Path, as_json: bool) -> None:
     if as_json:
         print(json.dumps(document_of(found, path), indent=2))
         return
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, highlight=False, emoji=False)
     shown = Table(title=f"{found.tuning.mission.name}, {expression(found.tuning)}", title_justify="left")
     for heading in ("", "before", "after", "searched"):
         shown.add_column(heading, justify="right" if heading else "left")
@@ -114,7 +133,7 @@ def tell(found: Tuned, path: Path, as_json: bool) -> None:
     shown.add_section()
     for label, before, after in costs(found):
         shown.add_row(label, str(before), str(after))
-    console.print(shown)
+    show([shown])
     print(f"Mission: {path}\nPage: {path.with_suffix('.html')}")
 
 

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from crosstrack.compiled import compiled
 from crosstrack.follow.guidance import Foot, across, affordable, ahead, direction, limited
 from crosstrack.protocols import Course, Speed
 from crosstrack.types import Array, Setpoint, State
@@ -15,7 +16,7 @@ STEPS = np.linspace(0.0, 1.0, 17)
 CREEP = 0.3
 """m/s, speed under which a vehicle that can stop counts as slow"""
 SLOW, BRISK = 0.25, 0.5
-"""of the speed asked for, flown towards the aim: until the first the law is not asked, from the second on it alone is"""
+"""of the speed asked for, flown towards the aim: under the first the law is not asked, above the second it alone is"""
 LEAD = 0.7
 """of the response time, how far ahead to look at the curve; the longer, the more corners are cut"""
 UP = np.array([0.0, 0.0, 1.0])
@@ -47,7 +48,7 @@ def begin(course: Course, state: State) -> LateralMemory:
 
 
 def response(course: Course, duration: float) -> float:
-    """Return the time (s) from an acceleration asked for to the acceleration flown; commands are held, half on average."""
+    """Return the time (s) from an acceleration asked for to that flown; a command is half a step old on average."""
     return course.envelope.response_time + 0.5 * duration
 
 
@@ -55,13 +56,21 @@ def covered(speed: Speed, s: float, duration: float) -> float:
     """Return the way (m) that a speed profile makes from an arc length `s` (m) in a time (s)."""
     start = float(speed(s))
     gain = max(0.0, float(speed(s, 1)))
-    ways = (start + gain * duration) * duration * STEPS
-    if ways[-1] <= 0:
-        return 0.0
-    speeds = speed(s + ways)
-    mean = np.maximum(0.5 * (speeds[1:] + speeds[:-1]), 1e-3 * (speeds[0] + speeds[-1]) + 1e-9)
-    times = np.concatenate([[0.0], np.cumsum(np.diff(ways) / mean)])
-    return float(np.interp(duration, times, ways))
+    way = (start + gain * duration) * duration
+    return float(travelled(way / (len(STEPS) - 1), speed(s + way * STEPS), duration))
+
+
+@compiled
+def travelled(step: float, speeds: Array, duration: float) -> float:
+    """Return the way (m) made in a time (s) at speeds (n,) m/s a step (m) apart, to their end at most."""
+    least = 1e-3 * (speeds[0] + speeds[-1]) + 1e-9
+    time = 0.0
+    for k in range(speeds.size - 1):
+        spent = step / max(0.5 * (speeds[k] + speeds[k + 1]), least)
+        if time + spent >= duration:
+            return step * (k + (duration - time) / spent if spent > 0 else k)
+        time += spent
+    return step * (speeds.size - 1)
 
 
 def turning(velocity: Array, wanted: Array) -> Array:
@@ -108,20 +117,16 @@ def command(
         push: (3,) m/s², the acceleration that the law asks for, across the velocity or the path
     """
     envelope = course.envelope
-    aim = course.path(course.path.length) if foot.last else aim
-    heading = memory.heading
+    memory = replace(memory, progress=foot.s, aim=aim, error=foot.error)
     if not envelope.stops:
-        push = limited(push, envelope.acceleration)
-        turned = direction(foot.speed * heading + push * duration)
-        heading = turned if turned.any() else heading
-    memory = replace(memory, progress=foot.s, aim=aim, error=foot.error, heading=heading)
-    if not envelope.stops:
-        return Setpoint(velocity=foot.speed * heading), memory
+        return steered(memory, foot.speed, limited(push, envelope.acceleration), duration)
     if foot.last:
-        return Setpoint(position=aim), memory
+        end = course.path(course.path.length)
+        return Setpoint(position=end), replace(memory, aim=end)
     flown, wanted = direction(state.velocity), direction(aim - state.position)
     share = trust(float(state.velocity @ wanted), foot.speed)
     forward = ahead(course, foot.s, foot.tangent, state.velocity)
+    # More than the vehicle has is asked for at a lower speed, where the same turn needs less.
     needed = math.sqrt(push @ push)
     slower = math.sqrt(envelope.acceleration / max(needed, envelope.acceleration))
     push, along = affordable(push, envelope), affordable((forward @ flown) * flown, envelope)
@@ -129,6 +134,13 @@ def command(
         velocity=foot.speed * (share * slower * flown + (1 - share) * wanted),
         acceleration=share * (push + along) + (1 - share) * affordable(forward, envelope),
     ), memory
+
+
+def steered(memory: M, speed: float, push: Array, duration: float) -> tuple[Setpoint, M]:
+    """Return the setpoint of constant airspeed (m/s) that turns by an acceleration (3,) m/s², and the new memory."""
+    turned = direction(speed * memory.heading + push * duration)
+    heading = turned if turned.any() else memory.heading
+    return Setpoint(velocity=speed * heading), replace(memory, heading=heading)
 
 
 def trust(closing: float, speed: float) -> float:

@@ -37,7 +37,7 @@ M = TypeVar("M", bound=LegsMemory)
 
 
 def legs_from(course: Course, position: Array) -> Array:
-    """Return where the vehicle is and the waypoints beyond the entry of the course, (n, 3) m, no two in a row the same."""
+    """Return where the vehicle is and the waypoints after the entry of the course, (n, 3) m, none twice in a row."""
     corners = course.corners
     if len(corners) < 2:
         corners = np.stack([course.path(0.0), course.path(course.path.length)])
@@ -46,7 +46,13 @@ def legs_from(course: Course, position: Array) -> Array:
     ahead = route.points[1:][route.knots[1:] > entry + SHORTEST]
     first = route.points[:1] if entry == 0 else ahead[:0]
     points = np.vstack([position, first, ahead])
-    return points[np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > SHORTEST)]
+    return apart(points)
+
+
+def apart(points: Array) -> Array:
+    """Return points (n, 3) m without those that repeat the one before."""
+    keep = np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > SHORTEST)
+    return np.asarray(points[keep])
 
 
 def top_speed(course: Course) -> float:

@@ -31,8 +31,8 @@ class LqrPath:
     towards the path that can be braked from at the error, √(a d), and that is flown at 45°. ω is at most `reaction`
     over the response time of the vehicle.
 
-    Source: Ratnoo, Sujit, Kothari 2011 (IFAC World Congress, Adaptive Optimal Path Following for High Wind Flights,
-    equations 9 to 15), where ω = 1/s, q2 = 1.
+    Source: Ratnoo, Sujit, Kothari 2011 (IFAC World Congress, Adaptive Optimal Path Following for High Wind Flights),
+    there with ω = 1/s and q2 = 1; the limits and the scale are ours.
     """
 
     needs = ()

@@ -105,7 +105,7 @@ def split(vector: Array, along: Array) -> tuple[float, float]:
 
 
 def chasing(way: Array, speed: float, duration: float) -> Array:
-    """Return the velocity (3,) m/s towards a point a way (3,) m off, as AirSim does: none near it, level on its height."""
+    """Return the velocity (3,) m/s along a way (3,) m as AirSim does: none near its end, level near its height."""
     distance = math.sqrt(way @ way)
     if distance < ACCURACY:
         return np.zeros(3)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosstrack.compiled import compiled
 from crosstrack.follow.guidance import Foot, direction, locate
 from crosstrack.follow.lateral import LateralMemory, begin, command, covered, response, stretched, turning
 from crosstrack.protocols import Course, Path
@@ -12,6 +13,7 @@ from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
 
 WAYS = np.linspace(0.0, 2.0, 33)
 """of the radius of the circle: arc lengths ahead at which the path is looked at"""
+INDICES = np.arange(len(WAYS))
 FOLD = -0.9
 """cosine of the turn between two of them from which the path turns back on itself"""
 
@@ -39,7 +41,7 @@ class Nlgl:
 
     needs = ()
 
-    lookahead: Positive = 0.3
+    lookahead: Positive = 0.15
     """m, least L1"""
     reaction: NonNegative = 2.0
     """1, time to the aim over the vehicle's response time"""
@@ -70,30 +72,54 @@ class Nlgl:
 
 
 def exit_of(path: Path, foot: Foot, position: Array, radius: float) -> Array:
-    """Return the point (3,) m where a path leaves a sphere about a position; on its tangent where it ends or turns back.
+    """Return the point (3,) m where a path leaves a sphere about a position.
 
-    A path that curls up within the sphere is met at its farthest point.
+    Where the path ends or turns back before, the point is on its tangent there. A path that curls up within the sphere
+    is met at its farthest point.
     """
     if foot.last:
         return path(path.length)
     s = foot.s + radius * WAYS
     points, tangents = path(s), path(s, 1)
-    folds = np.flatnonzero(np.einsum("ij,ij->i", tangents[1:], tangents[:-1]) < FOLD)
-    end = int(folds[0]) + 1 if folds.size else len(s)
-    distances = np.linalg.norm(points[:end] - position, axis=1)
-    outside = np.flatnonzero(distances >= radius)
-    if outside.size:
-        k = max(1, int(outside[0]))
-        share = (radius - distances[k - 1]) / (distances[k] - distances[k - 1])
-        return path(s[k - 1] + min(1.0, max(0.0, share)) * (s[k] - s[k - 1]))
-    k = int(distances.argmax())
-    if k < end - 1 and s[k + 1] <= path.length:
-        return points[k]
-    return beyond(points[end - 1], tangents[end - 1], position, radius)
+    place, inside = leaving(points, tangents, position, radius)
+    if not inside:
+        return path(float(np.interp(place, INDICES, s)))
+    k = int(place)
+    if k < len(s) - 1 and s[k + 1] <= path.length and not folds(tangents, k):
+        return np.asarray(points[k])
+    return beyond(points[k], tangents[k], position, radius)
+
+
+@compiled
+def folds(tangents: Array, k: int) -> bool:
+    """Return whether a path turns back between the samples k and k + 1."""
+    a, b = tangents[k], tangents[k + 1]
+    return bool(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < FOLD)
+
+
+@compiled
+def leaving(points: Array, tangents: Array, position: Array, radius: float) -> tuple[float, bool]:
+    """Return at which of the samples (n, 3) of a path, between two by a fraction, it leaves a sphere.
+
+    Returns:
+        the place, and whether the path stays inside until it turns back or the samples end: then it is the farthest
+    """
+    before, farthest, most = 0.0, 0, -1.0
+    for k in range(points.shape[0]):
+        if k > 0 and folds(tangents, k - 1):
+            break
+        x, y, z = points[k, 0] - position[0], points[k, 1] - position[1], points[k, 2] - position[2]
+        distance = math.sqrt(x * x + y * y + z * z)
+        if distance >= radius:
+            return (k - 1 + (radius - before) / (distance - before), False) if k > 0 else (0.0, False)
+        if distance >= most:
+            farthest, most = k, distance
+        before = distance
+    return float(farthest), True
 
 
 def beyond(point: Array, tangent: Array, position: Array, radius: float) -> Array:
-    """Return where the ray from a point along a unit tangent leaves the sphere about a position that holds the point."""
+    """Return where the ray from a point along a unit tangent leaves the sphere about a position."""
     offset = point - position
     along = float(offset @ tangent)
     return point + (math.sqrt(max(0.0, along**2 + radius**2 - float(offset @ offset))) - along) * tangent

@@ -42,10 +42,10 @@ class Npfg:
     stable with the response time τ of the vehicle, π τ / ζ.
 
     A vehicle of constant airspeed steers its air velocity to the side of the wind triangle that makes the ground
-    velocity point along b; where the wind allows none, against the wind across b, and flies backwards as slowly as can
-    be. Its wind is the ground velocity less the air velocity asked for, averaged over half a second.
+    velocity point along b, forwards or backwards; where the wind allows none, against the wind across b. Its wind is
+    the ground velocity less the air velocity asked for, averaged over half a second.
 
-    Sources: Stastny, Siegwart 2019 (IROS, arXiv 1908.01381, sections III and IV); Stastny 2020 (doctoral thesis, ETH
+    Sources: Stastny, Siegwart 2019 (IROS, arXiv 1908.01381); Stastny 2020 (doctoral thesis, ETH
     Zürich, paper III); the guidance of PX4. There in the plane; here ê is the error vector in space.
     """
 
@@ -103,7 +103,7 @@ def bearing(offset: Array, tangent: Array, bound: float) -> tuple[Array, float]:
 
 
 def air_course(toward: Array, wind: Array, airspeed: float) -> Array:
-    """Return the unit air velocity (3,) that makes the ground velocity point along a unit bearing, or as near as can be.
+    """Return the direction (3,) of the air velocity that makes the ground velocity point along a unit bearing.
 
     The side of the wind triangle, s b - w_⊥ with s = √(V² - w_⊥²); against the crosswind w_⊥ where it is above V.
     """

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crosstrack.follow.guidance import locate
-from crosstrack.follow.legs import LegsMemory, held, legs_from, top_speed
-from crosstrack.path.polyline import SHORTEST
+from crosstrack.follow.legs import LegsMemory, apart, held, legs_from, top_speed
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
 
@@ -59,7 +58,7 @@ class PublishedCarrot:
         """Begin where the vehicle is, at the height of the first waypoint."""
         legs = legs_from(course, state.position)
         legs[:, 2] = course.path(course.entry)[2]
-        legs = legs[np.append(True, np.linalg.norm(np.diff(legs, axis=0), axis=1) > SHORTEST)]
+        legs = apart(legs)
         x, y = state.velocity[:2]
         error = float(np.linalg.norm(course.path(course.entry) - state.position))
         speed = self.speed or top_speed(course)

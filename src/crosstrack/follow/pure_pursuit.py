@@ -73,4 +73,5 @@ def point_ahead(path: Path, foot: Foot, lookahead: float) -> Array:
     tangents = path(s, 1)
     folds = np.flatnonzero(np.einsum("ij,ij->i", tangents[1:], tangents[:-1]) < FOLD)
     last = min(float(s[folds[0]] if folds.size else s[-1]), path.length)
-    return path(last) + (s[-1] - last) * path(last, 1)
+    beyond = lookahead - (last - foot.s)
+    return path(last) + beyond * path(last, 1)

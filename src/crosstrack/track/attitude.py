@@ -64,13 +64,17 @@ def drag_while(axes: Axes, air: Triple, need: Triple, linear: Array, square: Arr
 
 
 @compiled
-def reachable(fx: float, fy: float, fz: float, least: float, most: float, tilt: float) -> Triple:
-    """Return the thrust vector (m/s²) nearest to one that tilt (its tangent) and thrust allow, height first."""
-    lift = min(most, max(least, fz))
-    sideways = math.sqrt(fx * fx + fy * fy)
-    room = min(lift * tilt, math.sqrt(max(0.0, most * most - lift * lift)))
-    scale = room / sideways if sideways > room else 1.0
-    return fx * scale, fy * scale, lift
+def easing_of(axes: Axes, air: Triple, change: Triple, effort: float, linear: Array, square: Array) -> Triple:
+    """Return how fast drag changes (m/s³, world) while the airspeed changes (m/s²): ∂D/∂u along the body axes."""
+    x, y, z = axes[0:3], axes[3:6], axes[6:9]
+    ex = -(effort * linear[0] + 2 * square[0] * abs(dot(x, air))) * dot(x, change)
+    ey = -(effort * linear[1] + 2 * square[1] * abs(dot(y, air))) * dot(y, change)
+    ez = -(effort * linear[2] + 2 * square[2] * abs(dot(z, air))) * dot(z, change)
+    return (
+        x[0] * ex + y[0] * ey + z[0] * ez,
+        x[1] * ex + y[1] * ey + z[1] * ez,
+        x[2] * ex + y[2] * ey + z[2] * ez,
+    )
 
 
 @compiled

@@ -7,8 +7,8 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
-from crosstrack.track.approach import braking, eased
-from crosstrack.track.attitude import Axes, Triple, axes_for, axes_of, dot, drag_while, reachable
+from crosstrack.track.approach import affordable, braking, eased
+from crosstrack.track.attitude import Axes, Triple, axes_for, axes_of, dot, drag_while
 from crosstrack.track.clock import Timed, begin, model_of, tick
 from crosstrack.track.integral import accumulate
 from crosstrack.track.reference import Motion, motion
@@ -149,7 +149,7 @@ def cascade(
         damp * miss[2] + held[2] + brake * held[8],
     )
     asked = force_at(then, now, velocity, back, axes, linear, square)
-    f = reachable(asked[0], asked[1], asked[2], limits[0], limits[1], limits[2])
+    f = affordable(asked, limits)
     accumulate(held, miss, (asked[0] - f[0], asked[1] - f[1], asked[2] - f[2]), gather * period)
     quaternion_into(axes_for(f, then[15]), out)
     lift = force_at(soon, now, velocity, back, axes, linear, square)

@@ -8,25 +8,27 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
+from crosstrack.track.approach import affordable, braking, eased
 from crosstrack.track.attitude import (
     axes_for,
     axes_of,
     capped,
     dot,
-    drag_of,
     drag_while,
+    easing_of,
     error_of,
     rate_along,
-    reachable,
 )
 from crosstrack.track.clock import Timed, begin, model_of, tick
 from crosstrack.track.reference import motion
-from crosstrack.types import GRAVITY, Array, Model, NonNegative, Positive, RateSetpoint, State
+from crosstrack.types import GRAVITY, Array, Envelope, Model, NonNegative, Positive, RateSetpoint, State
 
 YAW_SHARE = 0.4
 """of the attitude gain, that the yaw error is turned with"""
 
 
+MOMENT = 1e-3
+"""s, over which the change of the thrust vector is taken"""
 INTEGRATED_ERROR = 0.5
 """m, the most of a position error that is integrated"""
 INTEGRAL = 5.0
@@ -69,7 +71,8 @@ class Geometric:
 
     where ω_d keeps R_d along f while it changes by f' = p''' + k_p (p' - v). As the vehicle takes the time τ to answer
     a rate, and a command held for the period T is T/2 old on average, the changes are fed forward from t + T/2 + τ.
-    The attitude gain follows from the vehicle: k_R = a / (τ + T/2). Of a position error, 0.5 m at most are integrated,
+    The attitude gain follows from the vehicle: k_R = a / (τ + T/2). Far off, the approach is no faster than the vehicle
+    can brake, and f is what limits leave of it, see `approach`. Of a position error, 0.5 m at most are integrated,
     to 5 m/s² at most.
 
     Sources: Lee, Leok, McClamroch 2010 (CDC, arXiv 1003.2005), eq. 10-16; Faessler, Franchi, Scaramuzza 2018
@@ -113,7 +116,7 @@ class Geometric:
             state.velocity,
             state.attitude,
             push,
-            gains_of(self, model, duration),
+            gains_of(self, course.envelope, model, duration),
             constants_of(model),
             model.drag,
             model.drag_quadratic,
@@ -128,10 +131,17 @@ def limited(vector: Array, most: float) -> Array:
     return vector * (most / norm) if norm > most else vector
 
 
-def gains_of(law: Stiffness, model: Model, duration: float) -> tuple[float, float, float]:
-    """Return the gains of position (1/s²), velocity (1/s) and attitude (1/s) for a vehicle asked every `duration` s."""
-    attitude = law.attitude_gain / (model.rate_time + 0.5 * duration)
-    return law.position_gain, law.velocity_gain, attitude
+def gains_of(law: Stiffness, envelope: Envelope, model: Model, duration: float) -> tuple[float, float, float, float]:
+    """Return the gains of a law for a vehicle that is asked every `duration` s, and the error met in proportion.
+
+    Returns:
+        of position (1/s²), velocity (1/s) and attitude (1/s), the last for the time that a rate takes to be flown and,
+        where the estimate is late, to be seen; the position error (m) from which on the vehicle is short of braking
+    """
+    late = envelope.response_time - model.attitude_time
+    approach = law.position_gain / law.velocity_gain
+    gain = law.attitude_gain / (late + 0.5 * duration)
+    return law.position_gain, law.velocity_gain, gain, braking(model) / approach**2
 
 
 def constants_of(model: Model) -> tuple[float, float, float, float, float, float]:
@@ -155,7 +165,7 @@ def steer(
     velocity: Array,
     attitude: Array,
     push: Array,
-    gains: tuple[float, float, float],
+    gains: tuple[float, float, float, float],
     constants: tuple[float, float, float, float, float, float],
     linear: Array,
     square: Array,
@@ -171,36 +181,48 @@ def steer(
         velocity: (3,) m/s
         attitude: (4,) xyzw
         push: (3,) m/s², acceleration by what the nominal model does not know
-        gains: of position, velocity and attitude
+        gains: of position (1/s²), velocity (1/s) and attitude (1/s), and the position error met in proportion (m)
         constants: see `constants_of`
         linear: (3,) 1/s, drag
         square: (3,) 1/m, drag
         out: (4,)
     """
-    stiff, damp, tight = gains
+    stiff, damp, tight, reach = gains
     least, most, tilt, fastest, rate_time, thrust_time = constants
+    limits = (least, most, tilt)
     now = motion(rows, since)
     axes = axes_of(attitude)
     miss = (now[3] - velocity[0], now[4] - velocity[1], now[5] - velocity[2])
-    back_x = stiff * (now[0] - position[0]) + damp * miss[0] - push[0]
-    back_y = stiff * (now[1] - position[1]) + damp * miss[1] - push[1]
-    back_z = stiff * (now[2] - position[2]) + damp * miss[2] - push[2] + GRAVITY
+    behind = eased((now[0] - position[0], now[1] - position[1], now[2] - position[2]), reach)
+    back_x = stiff * behind[0] + damp * miss[0] - push[0]
+    back_y = stiff * behind[1] + damp * miss[1] - push[1]
+    back_z = stiff * behind[2] + damp * miss[2] - push[2] + GRAVITY
     need = (now[6] + back_x, now[7] + back_y, now[8] + back_z)
     drag = drag_while(axes, (velocity[0], velocity[1], velocity[2]), need, linear, square)
     back_x, back_y, back_z = back_x - drag[0], back_y - drag[1], back_z - drag[2]
-    f = reachable(now[6] + back_x, now[7] + back_y, now[8] + back_z, least, most, tilt)
+    f = affordable((now[6] + back_x, now[7] + back_y, now[8] + back_z), limits)
     wanted = axes_for(f, now[15])
     error = error_of(axes, wanted)
     # What turns the thrust vector, by when the rates asked for now are flown.
     then = motion(rows, since + 0.5 * period + rate_time)
-    f_then = reachable(then[6] + back_x, then[7] + back_y, then[8] + back_z, least, most, tilt)
+    due = (then[6] + back_x, then[7] + back_y, then[8] + back_z)
+    f_then = affordable(due, limits)
     axes_then = axes_for(f_then, then[15])
     effort = math.sqrt(dot(f_then, axes_then[6:9]) / GRAVITY)
-    easing = drag_of(axes_then, (then[6], then[7], then[8]), effort, linear, 2 * square)
+    easing = easing_of(axes_then, then[3:6], then[6:9], effort, linear, square)
+    # The thrust vector as limits cut it, a moment later.
+    later = affordable(
+        (
+            due[0] + MOMENT * (then[9] + stiff * miss[0] - easing[0]),
+            due[1] + MOMENT * (then[10] + stiff * miss[1] - easing[1]),
+            due[2] + MOMENT * (then[11] + stiff * miss[2] - easing[2]),
+        ),
+        limits,
+    )
     change = (
-        then[9] + stiff * miss[0] - easing[0],
-        then[10] + stiff * miss[1] - easing[1],
-        then[11] + stiff * miss[2] - easing[2],
+        (later[0] - f_then[0]) / MOMENT,
+        (later[1] - f_then[1]) / MOMENT,
+        (later[2] - f_then[2]) / MOMENT,
     )
     rate = rate_along(axes_then, f_then, change, then[15], then[16])
     # Rᵀ R_d ω_d: the feed-forward as seen from the body as it is.
@@ -220,5 +242,5 @@ def steer(
     )
     out[0], out[1], out[2] = asked
     soon = motion(rows, since + 0.5 * period + thrust_time)
-    lift = (soon[6] + back_x, soon[7] + back_y, soon[8] + back_z)
+    lift = affordable((soon[6] + back_x, soon[7] + back_y, soon[8] + back_z), limits)
     out[3] = min(most, max(least, dot(lift, axes[6:9])))

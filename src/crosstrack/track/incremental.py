@@ -78,7 +78,7 @@ class Incremental:
             state.velocity,
             state.attitude,
             push,
-            gains_of(self, model, duration),
+            gains_of(self, course.envelope, model, duration),
             constants_of(model),
             model.drag,
             model.drag_quadratic,

@@ -3,6 +3,7 @@
 import math
 
 from crosstrack.compiled import compiled
+from crosstrack.track.approach import affordable
 from crosstrack.track.attitude import (
     Axes,
     Triple,
@@ -11,7 +12,6 @@ from crosstrack.track.attitude import (
     drag_of,
     drag_while,
     rate_along,
-    reachable,
 )
 from crosstrack.track.reference import Motion, motion
 from crosstrack.types import GRAVITY, Array
@@ -38,7 +38,7 @@ def flying(at: Motion, limits: Triple, linear: Array, square: Array) -> Flying:
     axes = axes_for(need, at[15])
     for _ in range(2):
         drag = drag_while(axes, air, need, linear, square)
-        f = reachable(need[0] - drag[0], need[1] - drag[1], need[2] - drag[2], limits[0], limits[1], limits[2])
+        f = affordable((need[0] - drag[0], need[1] - drag[1], need[2] - drag[2]), limits)
         axes = axes_for(f, at[15])
     easing = drag_of(axes, (at[6], at[7], at[8]), math.sqrt(math.sqrt(dot(f, f)) / GRAVITY), linear, 2 * square)
     change = (at[9] - easing[0], at[10] - easing[1], at[11] - easing[2])

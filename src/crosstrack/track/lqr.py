@@ -8,8 +8,8 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
-from crosstrack.track.approach import eased
-from crosstrack.track.attitude import Axes, Triple, axes_of, capped, dot, reachable
+from crosstrack.track.approach import affordable, eased
+from crosstrack.track.attitude import Axes, Triple, axes_of, capped, dot
 from crosstrack.track.clock import Clock, Timed, begin, model_of, tick
 from crosstrack.track.integral import accumulate
 from crosstrack.track.linear import Flying, flying, seen, world
@@ -167,7 +167,7 @@ def regulate(
     )
     push = world(ref, (pull[0], pull[1], pull[3]))
     asked = (force[0] + push[0], force[1] + push[1], force[2] + push[2])
-    f = reachable(asked[0], asked[1], asked[2], limits[0], limits[1], limits[2])
+    f = affordable(asked, limits)
     if dot(behind, behind) <= table[2] * table[2]:
         accumulate(gathered, behind, (asked[0] - f[0], asked[1] - f[1], asked[2] - f[2]), period)
     turn = turn_to(axes, ref, f, pull[2])

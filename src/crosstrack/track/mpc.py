@@ -1,7 +1,7 @@
 """Linear model predictive control of the deviation from a trajectory, over the law that turns forces into rates."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from crosstrack.track.clock import model_of, tick
 from crosstrack.track.condensed import Flags, Solution
 from crosstrack.track.geometric import constants_of, steer
 from crosstrack.track.incremental import Incremental, IncrementalMemory, measured, unexplained
-from crosstrack.track.mpc_design import CHECKED, STEP, STEPS, Design, design
+from crosstrack.track.mpc_design import CHECKED, HELD, STEP, STEPS, Design, design
 from crosstrack.track.mpc_preview import bounds_of, deviation, preview
 from crosstrack.types import Array, Model, Positive, RateSetpoint, State
 
@@ -50,7 +50,7 @@ class Mpc:
 
     needs = ("trajectory", "attitude")
 
-    position_error: Positive = 0.05
+    position_error: Positive = 0.07
     """m, e_p, as dear as an input of 1 m/s²"""
     velocity_error: Positive = 0.5
     """m/s, e_v, as dear as an input of 1 m/s²"""
@@ -65,12 +65,20 @@ class Mpc:
         Raises:
             InputError: the course has no trajectory, or the vehicle takes no rates or does not measure what is needed.
         """
-        model, seen = model_of(course), Incremental().start(course, state)
-        made = design(course.envelope, model, self.attitude_gain, self.position_error, self.velocity_error)
+        seen = Incremental().start(course, state)
+        made = self.designed(course, HELD)
         return MpcMemory(seen.clock, seen.push, seen.known, made, made.program.flags, 0)
+
+    def designed(self, course: Course, held: float) -> Design:
+        """Return the program for commands that are held for a time (s)."""
+        weights = self.attitude_gain, self.position_error, self.velocity_error
+        return design(course.envelope, model_of(course), held, *weights)
 
     def step(self, memory: MpcMemory, course: Course, state: State, duration: float) -> tuple[RateSetpoint, MpcMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
+        if duration > memory.design.held:  # asked more seldom than at 50 Hz: made anew, once
+            made = self.designed(course, duration)
+            memory = replace(memory, design=made, active=made.program.flags)
         clock, model, made = tick(memory.clock, course, state, duration), model_of(course), memory.design
         rows, since = clock.reference.rows, clock.since(state)
         push, known, out = np.empty(3), np.empty(3), np.empty(4)
@@ -87,7 +95,7 @@ class Mpc:
             state.velocity,
             state.attitude,
             push - (plan.inputs[:3] if plan.found else -made.gains @ off),
-            (0.0, 0.0, made.gain),
+            (0.0, 0.0, made.gain, math.inf),
             constants_of(model),
             model.drag,
             model.drag_quadratic,

@@ -14,7 +14,7 @@ STEPS = 20
 STEP = 0.05
 """s, of the prediction, longer than the period between commands: so the horizon is a second"""
 HELD = 0.02
-"""s, the period between commands that the attitude gain allows for"""
+"""s, the period between commands that is allowed for before it is known"""
 SIDES = 8
 """of the cone that stands for the tilt limit"""
 CHECKED = 4
@@ -28,6 +28,8 @@ AXES = np.eye(3)
 class Design:
     """The program of a predictive tracker, less what changes from step to step."""
 
+    held: float
+    """s, the longest period between commands that it is made for"""
     gain: float
     """1/s, attitude error to rate"""
     condensed: Condensed
@@ -73,17 +75,20 @@ def deviations(gain: float, lag: float, step: float) -> tuple[Array, Array]:
     return moved[:4, :4], moved[:4, 4:]
 
 
-def design(envelope: Envelope, model: Model, attitude_gain: float, position: float, velocity: float) -> Design:
+def design(
+    envelope: Envelope, model: Model, held: float, attitude_gain: float, position: float, velocity: float
+) -> Design:
     """Build the program for a vehicle.
 
     Args:
-        envelope: for the speed limits
+        envelope: for the response and the speed limits
         model: for the response, thrust and tilt
+        held: s, the period between commands
         attitude_gain: 1, attitude gain times the time the vehicle takes to answer a rate
         position: m, position error as dear as 1 m/s² of input
         velocity: m/s, velocity error as dear as 1 m/s² of input
     """
-    lag = envelope.response_time - model.attitude_time + 0.5 * HELD  # the response to a rate, with a late estimate
+    lag = envelope.response_time - model.attitude_time + 0.5 * held  # a late estimate counts
     gain = attitude_gain / lag
     dynamics, inputs = deviations(gain, lag, STEP)
     weight, effort = np.diag([position**-2, velocity**-2, 0.0, 0.0]), np.eye(1)
@@ -98,7 +103,7 @@ def design(envelope: Envelope, model: Model, attitude_gain: float, position: flo
     program = Program(condensed.hessian, rows, np.arange(len(rows)) >= STEPS * len(forces), EXCESS_PRICE)
     coasting = condensed.free[CHECKED - 1 :: CHECKED, 3:6]
     gains = np.asarray(np.linalg.solve(condensed.hessian, condensed.coupling)[:3], np.float64)
-    return Design(gain, condensed, forces, least, most, headings, fastest, program, coasting, gains)
+    return Design(held, gain, condensed, forces, least, most, headings, fastest, program, coasting, gains)
 
 
 def around(sides: int) -> Array:

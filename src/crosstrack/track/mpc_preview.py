@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.track.attitude import Axes, Triple, axes_for, axes_of, dot, drag_while
+from crosstrack.track.attitude import axes_for, axes_of, dot, drag_while, easing_of
 from crosstrack.track.mpc_design import Design
 from crosstrack.track.reference import motion
 from crosstrack.types import GRAVITY, Array
@@ -25,20 +25,6 @@ def bounds_of(made: Design, off: Array, forces: Array, velocities: Array) -> tup
     lower = np.concatenate([(made.least - around).ravel(), (-made.fastest - speeds).ravel()])
     upper = np.concatenate([(made.most - around).ravel(), (made.fastest - speeds).ravel()])
     return lower, upper
-
-
-@compiled
-def easing_of(axes: Axes, air: Triple, change: Triple, effort: float, linear: Array, square: Array) -> Triple:
-    """Return how fast drag changes (m/s³, world) while the airspeed changes (m/s²): ∂D/∂u along the body axes."""
-    x, y, z = axes[0:3], axes[3:6], axes[6:9]
-    ex = -(effort * linear[0] + 2 * square[0] * abs(dot(x, air))) * dot(x, change)
-    ey = -(effort * linear[1] + 2 * square[1] * abs(dot(y, air))) * dot(y, change)
-    ez = -(effort * linear[2] + 2 * square[2] * abs(dot(z, air))) * dot(z, change)
-    return (
-        x[0] * ex + y[0] * ey + z[0] * ez,
-        x[1] * ex + y[1] * ey + z[1] * ez,
-        x[2] * ex + y[2] * ey + z[2] * ez,
-    )
 
 
 @compiled

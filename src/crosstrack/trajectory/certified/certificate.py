@@ -130,7 +130,7 @@ def certify(
     derivative = (curve.degree + 1) // 2
     clearance = None
     if world is not None:
-        clearance = least_clearance(curve, world, tolerance=tolerance, optimism=optimism(world))
+        clearance = least_clearance(curve, world, tolerance=tolerance, optimism=world.optimism)
     return Certificate(
         duration=curve.duration,
         effort=curve.cost(derivative),
@@ -157,11 +157,6 @@ def check(curve: PiecewisePolynomial, route: Array | None, world: Map | None) ->
         problems.append(Problem("curve", f"{dimensions} dimensions, a clearance needs 3"))
     if problems:
         raise InputError("certify", problems)
-
-
-def optimism(world: Map) -> float:
-    """Return how far (m) the distances of a map may exceed the true ones; maps that do not say are exact."""
-    return float(getattr(world, "optimism", 0.0))
 
 
 def jump(curve: PiecewisePolynomial, order: int) -> float:
