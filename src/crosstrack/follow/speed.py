@@ -1,5 +1,6 @@
 """A speed along a path that honours acceleration limits and slows for corners."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +26,8 @@ class SpeedProfile:
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (...): speed (m/s) or acceleration along the path (m/s²) for order 0, 1."""
+        if isinstance(s, float):
+            return np.asarray(at(s, order, self.knots, self.squares))
         if order == 0:
             return np.sqrt(np.interp(s, self.knots, self.squares))
         return np.asarray(self.accelerations[self.knots[1:-1].searchsorted(s, side="right")])
@@ -97,6 +100,16 @@ def settling(lengths: Array, limits: Array, corners: Array, accelerations: Array
         bounds,
         np.minimum(accelerations[which], braking),
     )
+
+
+@compiled
+def at(s: float, order: int, knots: Array, squares: Array) -> float:
+    """Return the speed (m/s) or the acceleration (m/s²) at an arc length (m), of a squared speed linear in between."""
+    k = min(max(int(np.searchsorted(knots, s, side="right")) - 1, 0), knots.size - 2)
+    slope = (squares[k + 1] - squares[k]) / (knots[k + 1] - knots[k])
+    if order == 1:
+        return 0.5 * slope
+    return math.sqrt(squares[k] + slope * (min(max(s, knots[0]), knots[-1]) - knots[k]))
 
 
 @compiled

@@ -40,6 +40,8 @@ class Pieces:
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (m, shape (...)): point, unit tangent or curvature vector for order 0, 1, 2."""
+        if isinstance(s, float):
+            return evaluated(s, order, self.knots, *self.arrays)
         s = np.asarray(s, float)
         out = np.empty((s.size, 3))
         evaluate(s.ravel(), order, self.knots, *self.arrays, out)
@@ -60,9 +62,9 @@ class Pieces:
         walk(points, start, self.knots, *self.arrays, progress, errors)
         return progress, errors
 
-    @property
+    @cached_property
     def arrays(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Return the fields in the order the compiled functions take them."""
+        """The fields in the order the compiled functions take them."""
         return self.origins, self.tangents, self.normals, self.curvatures, self.lengths
 
 
@@ -70,6 +72,52 @@ class Pieces:
 def piece_at(s: float, knots: Array) -> int:
     """Return which piece holds the arc length `s` (m); the first and the last reach beyond the ends."""
     return min(max(int(np.searchsorted(knots, s, side="right")) - 1, 0), knots.size - 2)
+
+
+@compiled
+def fill(
+    s: float,
+    order: int,
+    knots: Array,
+    origins: Array,
+    tangents: Array,
+    normals: Array,
+    curvatures: Array,
+    lengths: Array,
+    out: Array,
+) -> None:
+    """Fill `out` (3,) with the point, tangent or curvature vector at `s`."""
+    k = piece_at(s, knots)
+    u = min(max(s - knots[k], 0.0), lengths[k])
+    curvature = curvatures[k]
+    sine, cosine = np.sin(curvature * u), np.cos(curvature * u)
+    for j in range(3):
+        t, n = tangents[k, j], normals[k, j]
+        if order == 0:
+            along = sine / curvature if curvature > 0 else u
+            aside = (1 - cosine) / curvature if curvature > 0 else 0.0
+            out[j] = origins[k, j] + along * t + aside * n
+        elif order == 1:
+            out[j] = cosine * t + sine * n
+        else:
+            out[j] = curvature * (cosine * n - sine * t)
+
+
+@compiled
+def evaluated(
+    s: float,
+    order: int,
+    knots: Array,
+    origins: Array,
+    tangents: Array,
+    normals: Array,
+    curvatures: Array,
+    lengths: Array,
+) -> Array:
+    """Return the point, tangent or curvature vector (3,) at `s`."""
+    out = np.empty(3)
+    fill(s, order, knots, origins, tangents, normals, curvatures, lengths, out)
+    return out
 
 
 @compiled
@@ -86,20 +134,7 @@ def evaluate(
 ) -> None:
     """Fill `out` (n, 3) with points, tangents or curvature vectors at `s` (n,)."""
     for i in range(s.size):
-        k = piece_at(s[i], knots)
-        u = min(max(s[i] - knots[k], 0.0), lengths[k])
-        curvature = curvatures[k]
-        sine, cosine = np.sin(curvature * u), np.cos(curvature * u)
-        for j in range(3):
-            t, n = tangents[k, j], normals[k, j]
-            if order == 0:
-                along = sine / curvature if curvature > 0 else u
-                aside = (1 - cosine) / curvature if curvature > 0 else 0.0
-                out[i, j] = origins[k, j] + along * t + aside * n
-            elif order == 1:
-                out[i, j] = cosine * t + sine * n
-            else:
-                out[i, j] = curvature * (cosine * n - sine * t)
+        fill(s[i], order, knots, origins, tangents, normals, curvatures, lengths, out[i])
 
 
 @compiled
