@@ -1,8 +1,9 @@
-"""Flights made without a simulator: a vehicle that slides along a given curve."""
+"""Flights made without a simulator, of a vehicle that slides along a given curve; and short flights to run as tasks."""
 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,6 +11,9 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+import crosstrack as ct
+from crosstrack.campaign.grid import grid
+from crosstrack.campaign.task import Task
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
@@ -144,3 +148,20 @@ def fly_along() -> Callable[..., Flight]:
         return Flight(plan, Outcome.ARRIVED, make_record(time, position, progress, **options), 0.4)
 
     return fly
+
+
+@pytest.fixture(scope="session")
+def hop() -> ct.Mission:
+    """Return a short mission, noisy so that seeds matter."""
+    return ct.loads(
+        "{name: hop, start: {position: [0, 0, 5]}, route: [[6, 0], [6, 6]], speed: 3, timing: {timeout: 30},"
+        " noise: {position: 0.01}}"
+    )
+
+
+@pytest.fixture(scope="session")
+def tasks(hop: ct.Mission) -> list[Task]:
+    """Return flights of it in two winds, and of a mission with a file."""
+    rooms = ct.load(Path(__file__).parents[1] / "examples" / "rooms.yaml", ["timing.timeout=3"])
+    varied = grid([hop], ["mission", "carrot:lookahead=2"], ["calm", "1,0,0,light"], 2)
+    return [*varied, *grid([rooms], ["carrot"], ["calm"])]

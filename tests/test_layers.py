@@ -11,7 +11,7 @@ import pytest
 import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
-BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy"}
+BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "vectors"}
 ROLES = {"world", "path", "trajectory", "plan", "follow", "track", "avoid", "sim", "vehicles"}
 EDGES = {("vehicles", "sim"), ("follow", "path"), ("track", "path"), ("trajectory", "path"), ("plan", "trajectory")}
 ABOVE = ["flight", "mission", "campaign", "show", "cli"]

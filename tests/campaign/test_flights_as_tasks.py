@@ -56,7 +56,9 @@ def test_a_result_tells_what_the_flight_did(tasks: list[Task]) -> None:
 
 
 def test_a_planned_mission_is_told_with_its_tracking_error() -> None:
-    mission = ct.loads("{start: {position: [0, 0, 5]}, route: [[6, 0]], speed: 2, planner: {kind: minimum_jerk}}")
+    mission = ct.loads(
+        "{start: {position: [0, 0, 5]}, route: [[6, 0]], speed: 2, planner: {kind: minimum_snap, guide: 0}}"
+    )
     value = attempt(flight_task(mission, {"tracker": "mission"})).value
     assert value is not None
     tracking, time = np.array(value["trace"]["tracking"]), np.array(value["trace"]["time"])

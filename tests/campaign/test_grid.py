@@ -20,7 +20,7 @@ NED = ct.loads(
     " tracker: {kind: carrot, lookahead: 2}}"
 )
 PLANNED = ct.loads(
-    "{name: planned, start: {position: [0, 0, 5]}, route: [[9, 0], [9, 9]], planner: {kind: minimum_snap}}"
+    "{name: planned, start: {position: [0, 0, 5]}, route: [[9, 0], [9, 9]], planner: {kind: minimum_snap, guide: 0}}"
 )
 
 

@@ -34,7 +34,7 @@ def test_no_more_is_asked_for_than_the_vehicle_has(x: float, y: float, z: float)
 @pytest.mark.parametrize("aside", [0.0, 0.05, 0.12])
 @pytest.mark.parametrize("along", [(0.0, 0.0, -1.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.7, 0.0, 0.7)])
 def test_a_hairpin_is_no_place_to_hover(along: Any, aside: float, speed: float, tolerance: float) -> None:
-    """The feed-forward that brakes before a turn on the spot held off the velocity asked for, short of the turn."""
+    """Feed-forward that brakes before a turn on the spot must not hold off the velocity asked for, short of it."""
     there = np.array(along) + aside * np.array([along[2], 1.0, -along[0]])
     report = flown([[0, 0, 30.5], [0, 0, 30.5] + there, [0, 0, 30.0]], speed=speed, tolerance=tolerance)
     assert report.arrived
@@ -42,7 +42,7 @@ def test_a_hairpin_is_no_place_to_hover(along: Any, aside: float, speed: float, 
 
 
 def test_an_upward_turn_leaves_thrust_to_brake_with() -> None:
-    """Ten bends of metre size, up and down: the lift asked for at one took all of the thrust, and it flew past."""
+    """Three bends of metre size, up and down: were all of the thrust given to lift at one, it would fly past."""
     corners = np.array([[0.23, 0, 32], [0, 0, 30.03], [-2.53, -0.99, 30.49], [0, 0, 29.67], [1.41, 0, 32.01]])
     dense = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(corners)])
     report = flown(dense, speed=6.0, tolerance=0.05)

@@ -173,6 +173,16 @@ def test_tracking_errors_are_shown_where_there_are_some(tmp_path: Path) -> None:
     assert without["tracking"] is None
 
 
+def test_the_page_says_what_it_ranks_by(tmp_path: Path) -> None:
+    by_clock = [result("near", error=0.3, tracking=0.1), result("far", error=0.1, tracking=0.4)]
+    text = text_of(body_of(comparison_page(by_clock, tmp_path / "a.html")))
+    assert "1 near 1 of 1" in text
+    assert "by the median of the tracking error, since every flight has a trajectory, then of the cross-track" in text
+    text = text_of(body_of(comparison_page([*by_clock, result("pull", error=0.2)], tmp_path / "b.html")))
+    assert "1 far 1 of 1" in text
+    assert "by the median of the cross-track error" in text
+
+
 def test_without_flights_the_page_says_so(tmp_path: Path) -> None:
     path = comparison_page([], tmp_path / "a.html")
     assert "No flight came back: there is nothing to compare." in body_of(path)

@@ -9,15 +9,12 @@ import pytest
 from flights import lag, plan_along, rms, tour
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.spatial.transform import Rotation
 
 from crosstrack.errors import InputError
 from crosstrack.flight.loop import fly
 from crosstrack.sim.airframe import AIRFRAMES, SEA_LEVEL_DENSITY
-from crosstrack.track.approach import SIDEWAYS, affordable, eased
-from crosstrack.track.integral import accumulate
 from crosstrack.track.linear import INPUTS, STATES, dynamics
 from crosstrack.track.lqr import Lqr
 from crosstrack.track.reference import reference
@@ -42,40 +39,6 @@ def linear(model: Model, thrust: float, rate: Any = STILL, air: Any = STILL) -> 
     a, b = np.empty((STATES, STATES)), np.empty((STATES, INPUTS))
     dynamics(thrust, tuple(rate), tuple(air), model.rate_time, model.drag, model.drag_quadratic, a, b)
     return a, b
-
-
-def random_system(seed: int, states: int = 5, inputs: int = 2) -> tuple[Array, Array, Array, Array, Array]:
-    """Return A, B of six steps, costs of each, and a cost at the end."""
-    rng = np.random.default_rng(seed)
-    a, b = rng.normal(size=(6, states, states)), rng.normal(size=(6, states, inputs))
-    end = rng.normal(size=(states, states))
-    return a, b, rng.uniform(0.1, 3, (6, states)), rng.uniform(0.1, 3, (6, inputs)), end @ end.T
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_the_recursion_is_the_least_squares_answer_over_all_inputs_at_once(seed: int) -> None:
-    a, b, q, r, end = random_system(seed)
-    gains, cost = backwards(a, b, q, r, end)
-    x0 = np.random.default_rng(seed + 1).normal(size=5)
-    # Every state is linear in the start and the inputs: stack the roots of all costs.
-    free, forced, rows, right = np.eye(5), np.zeros((5, 12)), [], []
-    for k in range(6):
-        rows.append(np.sqrt(q[k])[:, None] * forced)
-        right.append(np.sqrt(q[k]) * (free @ x0))
-        weight = np.zeros((2, 12))
-        weight[:, 2 * k : 2 * k + 2] = np.diag(np.sqrt(r[k]))
-        rows.append(weight)
-        right.append(np.zeros(2))
-        free, forced = a[k] @ free, a[k] @ forced
-        forced[:, 2 * k : 2 * k + 2] += b[k]
-    values, vectors = np.linalg.eigh(end)
-    root = np.sqrt(np.maximum(values, 0))[:, None] * vectors.T
-    rows.append(root @ forced)
-    right.append(root @ free @ x0)
-    inputs, _, _, _ = np.linalg.lstsq(np.vstack(rows), -np.concatenate(right), rcond=None)
-    np.testing.assert_allclose(-gains[0] @ x0, inputs[:2], rtol=1e-6, atol=1e-8)
-    least = np.sum((np.vstack(rows) @ inputs + np.concatenate(right)) ** 2)
-    assert x0 @ cost @ x0 == pytest.approx(least, rel=1e-6)
 
 
 @pytest.mark.parametrize("airframe", ["generic", "crazyflie", "racer"])
@@ -105,15 +68,6 @@ def test_a_long_finite_horizon_begins_with_the_infinite_one() -> None:
     np.testing.assert_allclose(gains[0], gain, atol=1e-6)
     np.testing.assert_allclose(before, cost, rtol=1e-6, atol=1e-6 * np.abs(cost).max())
     assert np.abs(gains[-1] - gain).max() > 0.1
-
-
-def test_discretisation_is_the_solution_with_the_input_held() -> None:
-    a, b = linear(known("racer"), 15.0, (0.5, -1.0, 0.3), (6.0, 2.0, -1.0))
-    rng = np.random.default_rng(2)
-    x, u = rng.normal(size=STATES), rng.normal(size=INPUTS)
-    after = solve_ivp(lambda _, y: a @ y + b @ u, (0, 0.05), x, rtol=1e-11, atol=1e-12).y[:, -1]
-    exact_a, exact_b = discretised(a, b, 0.05)
-    np.testing.assert_allclose(exact_a @ x + exact_b @ u, after, atol=1e-9)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -275,50 +229,6 @@ def test_far_off_it_flies_back_without_tumbling(offset: Any) -> None:
     up = 1 - 2 * (flight.record.attitude[:, 0] ** 2 + flight.record.attitude[:, 1] ** 2)
     assert np.degrees(np.arccos(up.min())) < 65 + 8
     assert lag(flight, CURVE)[flight.record.time > 7].max() < 0.1
-
-
-@given(st.floats(0.01, 100), st.floats(0.2, 5), st.floats(0.1, 3))
-def test_an_eased_error_is_approached_with_a_braking_that_is_never_more(far: float, gain: float, reach: float) -> None:
-    """Along e' = -gain · eased(e) the deceleration is gain² reach beyond the reach, and less within."""
-    step = 1e-5 * far
-    speed = [gain * eased((0.0, d, 0.0), reach)[1] for d in (far - step, far, far + step)]
-    slope = (speed[2] - speed[0]) / (2 * step)
-    assert slope * speed[1] <= gain**2 * reach * (1 + 1e-3)
-    if far > 1.01 * reach:
-        assert slope * speed[1] == pytest.approx(gain**2 * reach, rel=1e-3)
-    elif far < 0.99 * reach:
-        assert speed[1] == pytest.approx(gain * far)
-
-
-@given(st.lists(st.floats(-9, 9), min_size=6, max_size=6), st.floats(0.001, 1))
-def test_the_integral_never_asks_for_more_of_what_is_missing(values: list[float], gain: float) -> None:
-    error, missing = np.array(values[:3]), np.array(values[3:])
-    total = np.zeros(3)
-    accumulate(total, tuple(error), tuple(missing), gain)
-    tiny = 1e-9 * (1 + np.linalg.norm(error)) * (1 + np.linalg.norm(missing))
-    assert total @ missing <= tiny or missing @ missing <= 1e-12
-    # What it leaves out is along what is missing alone, and nothing where that is none.
-    assert np.linalg.norm(np.cross(total - gain * error, missing)) <= tiny
-    free = np.zeros(3)
-    accumulate(free, tuple(error), (0.0, 0.0, 0.0), gain)
-    np.testing.assert_array_equal(free, gain * error)
-
-
-@given(st.lists(st.floats(-60, 60), min_size=3, max_size=3), st.floats(0.1, 3))
-def test_height_comes_first_but_leaves_something_to_sideways_motion(values: list[float], tilt: float) -> None:
-    least, most = 3.0, 16.0
-    f = np.array(values)
-    g = np.array(affordable((f[0], f[1], f[2]), (least, most, tilt)))
-    sideways, wanted = float(np.hypot(*g[:2])), float(np.hypot(*f[:2]))
-    assert np.linalg.norm(g) <= most * (1 + 1e-9)
-    assert sideways <= g[2] * tilt * (1 + 1e-9)
-    assert g[2] >= least
-    assert abs(g[0] * f[1] - g[1] * f[0]) <= 1e-9 * (1 + wanted**2)  # in the direction asked for
-    if wanted <= f[2] * tilt and np.linalg.norm(f) <= most and f[2] >= least:
-        np.testing.assert_allclose(g, f, rtol=1e-9, atol=1e-12)
-    if f[2] >= most:
-        kept = most * min(SIDEWAYS, math.sin(math.atan(tilt)))
-        assert sideways == pytest.approx(min(wanted, kept), rel=1e-9, abs=1e-6)
 
 
 def test_the_cost_of_tilt_is_of_sideways_acceleration() -> None:

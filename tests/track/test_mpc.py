@@ -9,6 +9,7 @@ import pytest
 from flights import plan_for
 from scipy.integrate import solve_ivp
 
+from crosstrack.errors import InputError
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.loop import fly
 from crosstrack.flight.plan import Plan
@@ -197,6 +198,13 @@ def test_no_offset_stays_in_steady_wind_with_another_mass() -> None:
     miss = np.linalg.norm(record.position - here(record.time), axis=1)
     assert miss[record.time < 2.0].max() > 0.02
     assert miss[late].max() < 0.002
+
+
+def test_weights_without_an_answer_are_said() -> None:
+    plan = plan_along(loop(5.0))
+    state, _ = started(plan)
+    with pytest.raises(InputError, match="too far apart"):
+        Mpc(position_error=1e-30).start(plan.course, state)
 
 
 def test_where_the_solver_gives_up_it_flies_the_law_without_bounds(monkeypatch: pytest.MonkeyPatch) -> None:

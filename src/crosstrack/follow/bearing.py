@@ -6,9 +6,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from crosstrack.follow.guidance import Foot, across, affordable, ahead, limited
+from crosstrack.compiled import compiled
+from crosstrack.follow.guidance import Foot, GuidanceMemory, affordable, ahead
 from crosstrack.protocols import Course
 from crosstrack.types import Array, Envelope, Setpoint, State
+from crosstrack.vectors import across, dot, limited
 
 DRIFT_MAX = 5.0
 """of the speed, the most drift that is corrected: a point in a wind of 98 % of its speed needs as much"""
@@ -19,17 +21,11 @@ DRIFT_PACE = 0.3
 
 
 @dataclass(frozen=True)
-class BearingMemory:
+class BearingMemory(GuidanceMemory):
     """What a law that gives a direction remembers."""
 
-    progress: float
-    """m, arc length of the closest point"""
-    aim: Array
-    """(3,) m, the point flown to"""
     drift: Array
     """(3,) m/s, velocity added across the path against the wind"""
-    error: float
-    """m, cross-track error"""
     course: Array
     """(3,) m/s, velocity asked for in the last step, without drift"""
 
@@ -43,8 +39,8 @@ def begin(course: Course, state: State) -> BearingMemory:
     return BearingMemory(
         progress=course.entry,
         aim=foot,
-        drift=np.zeros(3),
         error=float(np.linalg.norm(foot - state.position)),
+        drift=np.zeros(3),
         course=state.velocity,
     )
 
@@ -61,6 +57,7 @@ def command(
     push: Array,
     drift_gain: float,
     distance: float,
+    **more: Array,
 ) -> tuple[Setpoint, M]:
     """Return the setpoint that flies a direction at the speed of the course, and the new memory.
 
@@ -77,17 +74,18 @@ def command(
         push: (3,) m/s², the acceleration that the law asks for beside that of the course
         drift_gain: 1/s, how fast a crosswind is corrected
         distance: m, over which the law comes to the path
+        **more: what the law remembers beside
     """
     speed, tangent = foot.speed, foot.tangent
     push = push + ahead(course, foot.s, tangent, state.velocity)
     share = min(1.0, min(drift_gain, DRIFT_PACE * speed / distance) * duration)
     most = (DRIFT_MAX_STOPPING if course.envelope.stops else DRIFT_MAX) * speed
     drift = drifted(memory, state.velocity, tangent, share, most)
-    memory = replace(memory, progress=foot.s, aim=aim, drift=drift, error=foot.error, course=speed * asked)
+    memory = replace(memory, progress=foot.s, aim=aim, drift=drift, error=foot.error, course=speed * asked, **more)
     if foot.last and course.envelope.stops:
         return Setpoint(position=aim), memory
     return Setpoint(
-        velocity=speed * asked + across(drift, tangent), acceleration=affordable(push, course.envelope)
+        velocity=memory.course + across(drift, tangent), acceleration=affordable(push, course.envelope)
     ), memory
 
 
@@ -115,6 +113,12 @@ def drifted(memory: BearingMemory, velocity: Array, tangent: Array, share: float
 
     Nothing is added while the vehicle flies against its course, still turning; and it is `most` m/s at most.
     """
-    if velocity @ memory.course <= 0:
-        return memory.drift
-    return limited(memory.drift + share * across(memory.course - velocity, tangent), most)
+    return learnt(memory.drift, memory.course, velocity, tangent, share, most)
+
+
+@compiled
+def learnt(drift: Array, course: Array, velocity: Array, tangent: Array, share: float, most: float) -> Array:
+    """Return the new drift (3,) m/s, see `drifted`."""
+    if dot(velocity, course) <= 0:
+        return drift
+    return limited(drift + share * across(course - velocity, tangent), most)

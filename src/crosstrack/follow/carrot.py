@@ -1,13 +1,14 @@
 """Carrot chasing: fly towards a point of the path a lookahead ahead of the vehicle."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from crosstrack.follow.bearing import BearingMemory, begin, command, reach_at
-from crosstrack.follow.guidance import direction, limited, locate, turn
+from crosstrack.follow.guidance import locate, turn
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import direction, limited
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ class Carrot:
         aim = course.path(course.path.length) if foot.last else foot.point + lookahead * foot.tangent
         asked = direction(aim - state.position)
         most = 0.5 * course.envelope.acceleration / max(foot.speed, 1e-9)
-        rate, memory = self.heading_rate(memory, turn(state.velocity, asked), duration, most)
+        sine = turn(state.velocity, asked)
+        rate, total = self.heading_rate(memory, sine, duration, most)
         return command(
             memory,
             course,
@@ -85,12 +87,12 @@ class Carrot:
             push=foot.speed * rate + self.cross_track_gain * foot.offset,
             drift_gain=self.drift_gain,
             distance=lookahead,
+            sine=sine,
+            sum=total,
         )
 
-    def heading_rate(
-        self, memory: CarrotMemory, sine: Array, duration: float, most: float
-    ) -> tuple[Array, CarrotMemory]:
-        """Return how fast to turn, (3,) rad/s, for a course error (3,), and the new memory.
+    def heading_rate(self, memory: CarrotMemory, sine: Array, duration: float, most: float) -> tuple[Array, Array]:
+        """Return how fast to turn, (3,) rad/s, for a course error (3,), and the new integral of the error, (3,) s.
 
         The part of the integral is limited to `most` rad/s.
         """
@@ -101,4 +103,4 @@ class Carrot:
             rate = rate + self.heading_integral * total
         if self.heading_derivative > 0:
             rate = rate + self.heading_derivative / duration * (sine - memory.sine)
-        return rate, replace(memory, sine=sine, sum=total)
+        return rate, total

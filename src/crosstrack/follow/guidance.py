@@ -1,14 +1,14 @@
 """What every law of guidance shares: where it is on its course, and how what it asks for becomes a command."""
 
-import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
+from crosstrack.compiled import compiled
 from crosstrack.path.pieces import reach_of
-from crosstrack.protocols import Course, Memory, Path
+from crosstrack.protocols import Course, Path
 from crosstrack.types import Array, Envelope, State
+from crosstrack.vectors import across, direction, dot, limited, norm
 
 LAST_STRETCH = 0.3
 """m, from the end: there a vehicle that can stop is asked to hold the last point"""
@@ -16,17 +16,20 @@ LAST_SECONDS = 0.5
 """s, from the end, likewise: a vehicle that holds a position must not get there faster than it may fly"""
 STRAIGHT = 0.98
 """least chord over arc length of a way that counts as straight"""
-
 LATE = 0.5
 """of the speed asked for, flown along the course, under which there is no feed-forward against the course"""
 
 
-class Locating(Memory, Protocol):
-    """What is remembered to find the closest point again."""
+@dataclass(frozen=True)
+class GuidanceMemory:
+    """What every law of guidance remembers."""
 
-    @property
-    def error(self) -> float:
-        """m, cross-track error"""
+    progress: float
+    """m, arc length of the closest point of the course"""
+    aim: Array
+    """(3,) m, the point flown to"""
+    error: float
+    """m, distance to the closest point"""
 
 
 @dataclass(frozen=True)
@@ -49,15 +52,14 @@ class Foot:
     """whether what remains of the course is short and straight"""
 
 
-def locate(memory: Locating, course: Course, state: State, duration: float) -> Foot:
+def locate(memory: GuidanceMemory, course: Course, state: State, duration: float) -> Foot:
     """Return the closest point of the course, at or after the one remembered `duration` (s) ago."""
     path = course.path
-    moved = math.sqrt(state.velocity @ state.velocity) * duration
+    moved = norm(state.velocity) * duration
     s = path.project(state.position, memory.progress, reach_of(memory.error, moved))
     point, tangent, speed = path(s), path(s, 1), float(course.speed(s))
     offset = point - state.position
-    error = math.sqrt(offset @ offset)
-    return Foot(s, point, tangent, speed, offset, error, on_last_stretch(path, s, point, speed))
+    return Foot(s, point, tangent, speed, offset, norm(offset), on_last_stretch(path, s, point, speed))
 
 
 def on_last_stretch(path: Path, s: float, foot: Array, speed: float) -> bool:
@@ -84,28 +86,18 @@ def ahead(course: Course, s: float, tangent: Array, velocity: Array) -> Array:
     if response <= 0:
         return np.zeros(3)
     gain = max(0.0, float(course.speed(s, 1)))
-    lead = s + (max(0.0, float(velocity @ tangent)) + 0.5 * gain * response) * response
-    push = (course.speed(lead) * course.path(lead, 1) - course.speed(s) * tangent) / response
-    along = float(push @ tangent)
-    slow = float(velocity @ tangent) < LATE * course.speed(s)
-    return push - along * tangent if slow and along < 0 else push
+    closing = dot(velocity, tangent)
+    lead = s + (max(0.0, closing) + 0.5 * gain * response) * response
+    return gained(float(course.speed(s)), tangent, float(course.speed(lead)), course.path(lead, 1), response, closing)
 
 
-def across(vector: Array, along: Array) -> Array:
-    """Return the part of a vector that is perpendicular to a unit vector."""
-    return vector - (vector @ along) * along
-
-
-def direction(vector: Array) -> Array:
-    """Return the unit vector, zero for zero."""
-    norm = math.sqrt(vector @ vector)
-    return vector / norm if norm > 1e-9 else np.zeros(3)
-
-
-def limited(vector: Array, most: float) -> Array:
-    """Return the vector, shortened to the length `most` where it is longer."""
-    norm = math.sqrt(vector @ vector)
-    return vector * (most / norm) if norm > most else vector
+@compiled
+def gained(speed: float, tangent: Array, later: float, along: Array, time: float, closing: float) -> Array:
+    """Return the acceleration (3,) m/s² from a speed along a tangent to a later one, see `ahead`."""
+    push = np.empty(3)
+    for k in range(3):
+        push[k] = (later * along[k] - speed * tangent[k]) / time
+    return across(push, tangent) if closing < LATE * speed and dot(push, tangent) < 0 else push
 
 
 def affordable(push: Array, envelope: Envelope) -> Array:
@@ -113,13 +105,19 @@ def affordable(push: Array, envelope: Envelope) -> Array:
 
     More lift than there is would leave no thrust to brake or turn with.
     """
-    most = envelope.acceleration_vertical
-    if abs(push[2]) > most:
-        push = np.array([push[0], push[1], math.copysign(most, push[2])])
-    return limited(push, envelope.acceleration)
+    return cut(push, envelope.acceleration_vertical, envelope.acceleration)
 
 
+@compiled
+def cut(push: Array, upwards: float, most: float) -> Array:
+    """Return an acceleration (3,), its vertical part at most `upwards`, all of it at most `most`, see `affordable`."""
+    level = push.copy()
+    level[2] = min(upwards, max(-upwards, push[2]))
+    return limited(level, most)
+
+
+@compiled
 def turn(velocity: Array, asked: Array) -> Array:
     """Return the part of the unit vector `asked` that lies across the course flown; zero for a vehicle at rest."""
     flown = direction(velocity)
-    return across(asked, flown) if flown.any() else flown
+    return across(asked, flown) if norm(flown) > 0 else flown

@@ -7,9 +7,10 @@ from typing import TypeVar
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.follow.guidance import Foot, across, affordable, ahead, direction, limited
+from crosstrack.follow.guidance import Foot, GuidanceMemory, affordable, ahead
 from crosstrack.protocols import Course, Speed
 from crosstrack.types import Array, Setpoint, State
+from crosstrack.vectors import across, direction, limited
 
 STEPS = np.linspace(0.0, 1.0, 17)
 """of a stretch of the course: where its speed is read"""
@@ -17,21 +18,17 @@ CREEP = 0.3
 """m/s, speed under which a vehicle that can stop counts as slow"""
 SLOW, BRISK = 0.25, 0.5
 """of the speed asked for, flown towards the aim: under the first the law is not asked, above the second it alone is"""
+FOLD = -0.9
+"""cosine of the turn between two samples of a path from which it turns back on itself"""
 LEAD = 0.7
 """of the response time, how far ahead to look at the curve; the longer, the more corners are cut"""
 UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
-class LateralMemory:
+class LateralMemory(GuidanceMemory):
     """What a law of lateral acceleration remembers."""
 
-    progress: float
-    """m, arc length of the closest point"""
-    aim: Array
-    """(3,) m, the point steered for"""
-    error: float
-    """m, cross-track error"""
     heading: Array
     """(3,) unit, the course through the air asked for; of use where the vehicle cannot stop"""
 
@@ -50,6 +47,25 @@ def begin(course: Course, state: State) -> LateralMemory:
 def response(course: Course, duration: float) -> float:
     """Return the time (s) from an acceleration asked for to that flown; a command is half a step old on average."""
     return course.envelope.response_time + 0.5 * duration
+
+
+def lookahead_at(least: float, reaction: float, course: Course, foot: Foot, velocity: Array, duration: float) -> float:
+    """Return how far ahead (m) to aim: as far as the speed profile leads while the vehicle reacts, see `stretched`.
+
+    A vehicle that cannot slow down looks at least its turning radius ahead.
+
+    Args:
+        least: m
+        reaction: 1, time to the aim over the vehicle's response time
+        course: what is followed
+        foot: the closest point
+        velocity: (3,) m/s, flown
+        duration: s, until the next step
+    """
+    envelope = course.envelope
+    way = covered(course.speed, foot.s, reaction * response(course, duration))
+    radius = 0.0 if envelope.stops else foot.speed**2 / envelope.acceleration
+    return stretched(max(least, way, radius), foot.error, velocity, envelope.acceleration)
 
 
 def covered(speed: Speed, s: float, duration: float) -> float:

@@ -6,25 +6,20 @@ from typing import TypeVar
 
 import numpy as np
 
-from crosstrack.follow.guidance import direction
+from crosstrack.follow.guidance import GuidanceMemory
 from crosstrack.path.polyline import SHORTEST, Polyline
 from crosstrack.protocols import Course
 from crosstrack.types import Array, Setpoint, State
+from crosstrack.vectors import direction
 
 SPACING, MOST = 0.05, 20_000
 """m, at which the speed profile is searched for its top, at so many places at most"""
 
 
 @dataclass(frozen=True)
-class LegsMemory:
+class LegsMemory(GuidanceMemory):
     """What flying from waypoint to waypoint remembers."""
 
-    progress: float
-    """m, arc length of the closest point of the course"""
-    aim: Array
-    """(3,) m, the point chased"""
-    error: float
-    """m, distance to the course"""
     legs: Array
     """(n, 3) m, where the vehicle began, and the waypoints from there on"""
     speed: float

@@ -6,10 +6,11 @@ from typing import Annotated
 
 from annotated_types import Ge, Lt
 
-from crosstrack.follow.guidance import across, direction, locate
+from crosstrack.follow.guidance import locate
 from crosstrack.follow.lateral import LateralMemory, begin, bend, command, response, turning
 from crosstrack.protocols import Course
 from crosstrack.types import NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import across, direction
 
 STEEPEST = math.sqrt(0.5)
 """of the speed, the most that is flown towards the path: 45°"""

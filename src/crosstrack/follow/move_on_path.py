@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosstrack.follow.guidance import direction, locate
+from crosstrack.follow.guidance import locate
 from crosstrack.follow.legs import LegsMemory, held, legs_from, top_speed
 from crosstrack.path.polyline import Polyline
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import direction
 
 ACCURACY = 0.5
 """m, distance accuracy of simple_flight: nearer than this is there"""

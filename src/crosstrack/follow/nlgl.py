@@ -6,16 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.follow.guidance import Foot, direction, locate
-from crosstrack.follow.lateral import LateralMemory, begin, command, covered, response, stretched, turning
+from crosstrack.follow.guidance import Foot, locate
+from crosstrack.follow.lateral import FOLD, LateralMemory, begin, command, lookahead_at, turning
 from crosstrack.protocols import Course, Path
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import direction
 
 WAYS = np.linspace(0.0, 2.0, 33)
 """of the radius of the circle: arc lengths ahead at which the path is looked at"""
 INDICES = np.arange(len(WAYS))
-FOLD = -0.9
-"""cosine of the turn between two of them from which the path turns back on itself"""
 
 
 @dataclass(frozen=True)
@@ -55,20 +54,13 @@ class Nlgl:
     ) -> tuple[Setpoint, LateralMemory]:
         """Return velocity and acceleration to fly for the next `duration` (s), and the new memory."""
         foot = locate(memory, course, state, duration)
-        radius = self.radius_at(course, foot, state, duration)
+        radius = lookahead_at(self.lookahead, self.reaction, course, foot, state.velocity, duration)
         aim = exit_of(course.path, foot, state.position, radius)
         chord = aim - state.position
         square = float(state.velocity @ state.velocity)
         distance = max(math.sqrt(chord @ chord), self.lookahead)
         push = 2 * square / distance * turning(state.velocity, direction(chord))
         return command(memory, course, foot, state, duration, aim, push)
-
-    def radius_at(self, course: Course, foot: Foot, state: State, duration: float) -> float:
-        """Return L1 (m); a vehicle that cannot slow down looks at least its turning radius ahead."""
-        envelope = course.envelope
-        way = covered(course.speed, foot.s, self.reaction * response(course, duration))
-        radius = 0.0 if envelope.stops else foot.speed**2 / envelope.acceleration
-        return stretched(max(self.lookahead, way, radius), foot.error, state.velocity, envelope.acceleration)
 
 
 def exit_of(path: Path, foot: Foot, position: Array, radius: float) -> Array:

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosstrack.follow.guidance import across, direction, limited, locate
+from crosstrack.follow.guidance import locate
 from crosstrack.follow.lateral import LateralMemory, begin, bend, command, response, turning
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import across, direction, limited
 
 LEAST_SPEED = 1.0
 """m/s, ground speed under which the track error bound shrinks no further than by half"""

@@ -4,10 +4,11 @@ import math
 from dataclasses import dataclass
 
 from crosstrack.follow.bearing import reach_at
-from crosstrack.follow.guidance import Foot, across, direction, locate
+from crosstrack.follow.guidance import Foot, locate
 from crosstrack.follow.lateral import LateralMemory, begin, command, response, turning
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import across, direction
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosstrack.follow.guidance import Foot, direction, locate
-from crosstrack.follow.lateral import LateralMemory, begin, command, covered, response, stretched, turning
+from crosstrack.follow.guidance import Foot, locate
+from crosstrack.follow.lateral import FOLD, LateralMemory, begin, command, lookahead_at, turning
 from crosstrack.protocols import Course, Path
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import direction
 
 SHARES = np.linspace(0.0, 1.0, 17)
 """of the lookahead: where it is seen whether the path turns back"""
 SHORTEST = 0.5
 """of the least lookahead, the shortest chord that is counted on, where the path curls up"""
-FOLD = -0.9
-"""cosine of the turn between two of them from which it does"""
 
 
 @dataclass(frozen=True)
@@ -52,19 +51,12 @@ class PurePursuit:
     ) -> tuple[Setpoint, LateralMemory]:
         """Return velocity and acceleration to fly for the next `duration` (s), and the new memory."""
         foot = locate(memory, course, state, duration)
-        lookahead = self.lookahead_at(course, foot, state, duration)
+        lookahead = lookahead_at(self.lookahead, self.reaction, course, foot, state.velocity, duration)
         aim = course.path(course.path.length) if foot.last else point_ahead(course.path, foot, lookahead)
         chord = aim - state.position
         distance = max(math.sqrt(chord @ chord), SHORTEST * self.lookahead)
         push = 2 * float(state.velocity @ state.velocity) / distance * turning(state.velocity, direction(chord))
         return command(memory, course, foot, state, duration, aim, push)
-
-    def lookahead_at(self, course: Course, foot: Foot, state: State, duration: float) -> float:
-        """Return δ (m); a vehicle that cannot slow down looks at least its turning radius ahead."""
-        envelope = course.envelope
-        way = covered(course.speed, foot.s, self.reaction * response(course, duration))
-        radius = 0.0 if envelope.stops else foot.speed**2 / envelope.acceleration
-        return stretched(max(self.lookahead, way, radius), foot.error, state.velocity, envelope.acceleration)
 
 
 def point_ahead(path: Path, foot: Foot, lookahead: float) -> Array:

@@ -108,7 +108,7 @@ def at(s: float, order: int, knots: Array, squares: Array) -> float:
     k = min(max(int(np.searchsorted(knots, s, side="right")) - 1, 0), knots.size - 2)
     slope = (squares[k + 1] - squares[k]) / (knots[k + 1] - knots[k])
     if order == 1:
-        return 0.5 * slope
+        return float(0.5 * slope)
     return math.sqrt(squares[k] + slope * (min(max(s, knots[0]), knots[-1]) - knots[k]))
 
 

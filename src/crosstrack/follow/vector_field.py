@@ -8,9 +8,10 @@ import numpy as np
 from annotated_types import Gt, Le
 
 from crosstrack.follow.bearing import BearingMemory, begin, command, reach_at
-from crosstrack.follow.guidance import across, direction, locate, turn
+from crosstrack.follow.guidance import locate, turn
 from crosstrack.protocols import Course
 from crosstrack.types import Array, NonNegative, Positive, Setpoint, State
+from crosstrack.vectors import across, direction
 
 
 @dataclass(frozen=True)

@@ -122,6 +122,24 @@ def evaluate(
 
 
 @compiled
+def evaluated(
+    s: float,
+    order: int,
+    knots: Array,
+    arcs: Array,
+    points: Array,
+    velocities: Array,
+    tangents: Array,
+    halves: Array,
+) -> Array:
+    """Return the point, tangent or curvature vector (3,) at the arc length `s` (m)."""
+    where, out = np.array([s]), np.empty((1, 3))
+    evaluate(where, order, knots, arcs, points, velocities, tangents, halves, out)
+    flat: Array = out[0]
+    return flat
+
+
+@compiled
 def pace(
     s: Array, order: int, knots: Array, arcs: Array, velocities: Array, tangents: Array, halves: Array, out: Array
 ) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from crosstrack.errors import InputError, Problem
 from crosstrack.path.arc_length import edges_of, end_tangents, grid, lengths, split
-from crosstrack.path.cells import clock, closest, evaluate
+from crosstrack.path.cells import clock, closest, evaluate, evaluated
 from crosstrack.protocols import Trajectory
 from crosstrack.types import Array
 
@@ -47,6 +47,8 @@ class Traced:
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (m, shape (...)): point, unit tangent or curvature vector for order 0, 1, 2."""
+        if isinstance(s, float):
+            return evaluated(s, order, *self.arrays)
         s = np.asarray(s, float)
         out = np.empty((s.size, 3))
         evaluate(s.ravel(), order, *self.arrays, out)

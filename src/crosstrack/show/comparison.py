@@ -57,6 +57,7 @@ def comparison_page(results: Sequence[Mapping[str, Any]], path: str | Path, loss
             sentence=sentence(flights, losses),
             headings=HEADINGS,
             overall=standings(flights, losses),
+            timed=all(flight.summary[TRACKING] is not None for flight in flights),
             sections=[section(group, found, losses) for group in found],
             looks=known,
             strokes=STROKES,

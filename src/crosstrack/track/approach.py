@@ -19,6 +19,11 @@ def braking(model: Model) -> float:
     return BRAKING * min(up, down, sideways)
 
 
+def limits_of(model: Model) -> Triple:
+    """Return the limits of a model: least and most thrust (m/s²), tilt tangent."""
+    return model.thrust_min, model.thrust_max, math.tan(model.tilt_max)
+
+
 @compiled
 def eased(error: Triple, reach: float) -> Triple:
     """Return a position error (m), beyond the reach r (m) as long as √(2 r |e| - r²).
@@ -40,7 +45,7 @@ def affordable(f: Triple, limits: Triple) -> Triple:
 
     Args:
         f: m/s², world
-        limits: least and most thrust (m/s²), tilt tangent
+        limits: see `limits_of`
     """
     least, most, tilt = limits
     sideways = math.sqrt(f[0] * f[0] + f[1] * f[1])

@@ -28,6 +28,23 @@ def dot(a: Triple, b: Triple) -> float:
 
 
 @compiled
+def seen(axes: Axes, vector: Triple) -> Triple:
+    """Return a vector of the world in body axes."""
+    return dot(axes[0:3], vector), dot(axes[3:6], vector), dot(axes[6:9], vector)
+
+
+@compiled
+def world(axes: Axes, vector: Triple) -> Triple:
+    """Return a vector in body axes in the world."""
+    x, y, z = vector
+    return (
+        axes[0] * x + axes[3] * y + axes[6] * z,
+        axes[1] * x + axes[4] * y + axes[7] * z,
+        axes[2] * x + axes[5] * y + axes[8] * z,
+    )
+
+
+@compiled
 def drag_of(axes: Axes, air: Triple, effort: float, linear: Array, square: Array) -> Triple:
     """Return the acceleration (m/s², world) by drag of the nominal model, see `types.Model`.
 
@@ -38,16 +55,13 @@ def drag_of(axes: Axes, air: Triple, effort: float, linear: Array, square: Array
         linear: (3,) 1/s
         square: (3,) 1/m
     """
-    x, y, z = axes[0:3], axes[3:6], axes[6:9]
-    ux, uy, uz = dot(x, air), dot(y, air), dot(z, air)
-    dx = -(effort * linear[0] + square[0] * abs(ux)) * ux
-    dy = -(effort * linear[1] + square[1] * abs(uy)) * uy
-    dz = -(effort * linear[2] + square[2] * abs(uz)) * uz
-    return (
-        x[0] * dx + y[0] * dy + z[0] * dz,
-        x[1] * dx + y[1] * dy + z[1] * dz,
-        x[2] * dx + y[2] * dy + z[2] * dz,
+    x, y, z = seen(axes, air)
+    along = (
+        -(effort * linear[0] + square[0] * abs(x)) * x,
+        -(effort * linear[1] + square[1] * abs(y)) * y,
+        -(effort * linear[2] + square[2] * abs(z)) * z,
     )
+    return world(axes, along)
 
 
 @compiled
@@ -66,15 +80,14 @@ def drag_while(axes: Axes, air: Triple, need: Triple, linear: Array, square: Arr
 @compiled
 def easing_of(axes: Axes, air: Triple, change: Triple, effort: float, linear: Array, square: Array) -> Triple:
     """Return how fast drag changes (m/s³, world) while the airspeed changes (m/s²): ∂D/∂u along the body axes."""
-    x, y, z = axes[0:3], axes[3:6], axes[6:9]
-    ex = -(effort * linear[0] + 2 * square[0] * abs(dot(x, air))) * dot(x, change)
-    ey = -(effort * linear[1] + 2 * square[1] * abs(dot(y, air))) * dot(y, change)
-    ez = -(effort * linear[2] + 2 * square[2] * abs(dot(z, air))) * dot(z, change)
-    return (
-        x[0] * ex + y[0] * ey + z[0] * ez,
-        x[1] * ex + y[1] * ey + z[1] * ez,
-        x[2] * ex + y[2] * ey + z[2] * ez,
+    x, y, z = seen(axes, air)
+    changed = seen(axes, change)
+    along = (
+        -(effort * linear[0] + 2 * square[0] * abs(x)) * changed[0],
+        -(effort * linear[1] + 2 * square[1] * abs(y)) * changed[1],
+        -(effort * linear[2] + 2 * square[2] * abs(z)) * changed[2],
     )
+    return world(axes, along)
 
 
 @compiled

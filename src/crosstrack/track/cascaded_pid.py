@@ -7,7 +7,7 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
-from crosstrack.track.approach import affordable, braking, eased
+from crosstrack.track.approach import affordable, braking, eased, limits_of
 from crosstrack.track.attitude import Axes, Triple, axes_for, axes_of, dot, drag_while
 from crosstrack.track.clock import Timed, begin, model_of, tick
 from crosstrack.track.integral import accumulate
@@ -73,14 +73,14 @@ class CascadedPid:
         out, held = np.empty(5), memory.held.copy()
         cascade(
             clock.reference.rows,
-            state.time - clock.began - clock.reference.begin,
+            clock.since(state),
             duration,
             state.position,
             state.velocity,
             state.attitude,
             held,
             (stiff, damp, self.integral_gain * stiff * damp, self.derivative_gain),
-            (model.thrust_min, model.thrust_max, math.tan(model.tilt_max)),
+            limits_of(model),
             (model.attitude_time, model.thrust_time, response),
             braking(model) / stiff**2,
             model.drag,
@@ -118,7 +118,7 @@ def cascade(
         attitude: (4,) xyzw
         held: (9,) see `PidMemory.held`
         gains: of position (1/s), velocity (1/s), the integral (1/s²) and the derivative (1)
-        limits: least and most thrust (m/s²), tilt tangent
+        limits: see `approach.limits_of`
         times: s, from an attitude, a thrust and an acceleration asked for to those flown
         reach: m, position error that is met in proportion
         linear: (3,) 1/s, drag

@@ -9,7 +9,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.path.pieces import reach_of
 from crosstrack.protocols import Course
 from crosstrack.track.reference import ROWS, SPACING, Reference, reference, trajectory_of
-from crosstrack.types import Array, Model, State
+from crosstrack.types import Array, Envelope, Model, State
 
 
 @dataclass(frozen=True)
@@ -93,3 +93,8 @@ def model_of(course: Course) -> Model:
     if course.envelope.model is None:
         raise InputError("vehicle", [Problem("kind", "takes no attitudes or rates, which this tracker commands")])
     return course.envelope.model
+
+
+def rate_delay(envelope: Envelope, model: Model) -> float:
+    """Return the time (s) from a body rate asked for to the one flown and, where the estimate is late, seen."""
+    return envelope.response_time - model.attitude_time

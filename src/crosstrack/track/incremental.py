@@ -10,7 +10,7 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Course
 from crosstrack.track.attitude import axes_of, drag_of
 from crosstrack.track.clock import Timed, begin, model_of, tick
-from crosstrack.track.geometric import constants_of, gains_of, steer
+from crosstrack.track.geometric import commanded, gains_of
 from crosstrack.types import GRAVITY, Array, Model, Positive, RateSetpoint, State
 
 
@@ -67,24 +67,18 @@ class Incremental:
     ) -> tuple[RateSetpoint, IncrementalMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
         clock, model = tick(memory.clock, course, state, duration), model_of(course)
-        push, known, out = np.empty(3), np.empty(3), np.empty(4)
-        share = 1 - math.exp(-self.bandwidth * duration)
-        unexplained(memory.push, memory.known, state.acceleration, share, *measured(state, model), push, known)
-        steer(
-            clock.reference.rows,
-            clock.since(state),
-            duration,
-            state.position,
-            state.velocity,
-            state.attitude,
-            push,
-            gains_of(self, course.envelope, model, duration),
-            constants_of(model),
-            model.drag,
-            model.drag_quadratic,
-            out,
-        )
-        return RateSetpoint(out[:3], float(out[3])), IncrementalMemory(clock, push, known)
+        push, known = felt(memory, state, model, self.bandwidth, duration)
+        gains = gains_of(self, course.envelope, model, duration)
+        return commanded(clock, state, model, duration, push, gains), IncrementalMemory(clock, push, known)
+
+
+def felt(
+    memory: IncrementalMemory, state: State, model: Model, bandwidth: float, duration: float
+) -> tuple[Array, Array]:
+    """Return the outside acceleration (3,) m/s², filtered with a bandwidth (1/s), and the known one (3,) m/s²."""
+    push, known, share = np.empty(3), np.empty(3), 1 - math.exp(-bandwidth * duration)
+    unexplained(memory.push, memory.known, state.acceleration, share, *measured(state, model), push, known)
+    return push, known
 
 
 def measured(state: State, model: Model) -> tuple[Array, Array, float, Array, Array]:

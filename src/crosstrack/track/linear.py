@@ -12,6 +12,7 @@ from crosstrack.track.attitude import (
     drag_of,
     drag_while,
     rate_along,
+    seen,
 )
 from crosstrack.track.reference import Motion, motion
 from crosstrack.types import GRAVITY, Array
@@ -30,7 +31,7 @@ def flying(at: Motion, limits: Triple, linear: Array, square: Array) -> Flying:
 
     Args:
         at: the motion
-        limits: least and most thrust (m/s²), tilt tangent
+        limits: see `approach.limits_of`
         linear: (3,) 1/s, drag
         square: (3,) 1/m, drag
     """
@@ -122,20 +123,3 @@ def dynamics_along(
         axes, f, rate = flying(at, limits, linear, square)
         thrusts[k] = math.sqrt(dot(f, f))
         dynamics(thrusts[k], rate, seen(axes, (at[3], at[4], at[5])), lag, linear, square, a[k], b[k])
-
-
-@compiled
-def seen(axes: Axes, vector: Triple) -> Triple:
-    """Return a vector of the world in body axes."""
-    return dot(axes[0:3], vector), dot(axes[3:6], vector), dot(axes[6:9], vector)
-
-
-@compiled
-def world(axes: Axes, vector: Triple) -> Triple:
-    """Return a vector in body axes in the world."""
-    x, y, z = vector
-    return (
-        axes[0] * x + axes[3] * y + axes[6] * z,
-        axes[1] * x + axes[4] * y + axes[7] * z,
-        axes[2] * x + axes[5] * y + axes[8] * z,
-    )

@@ -8,11 +8,11 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Course
-from crosstrack.track.approach import affordable, eased
-from crosstrack.track.attitude import Axes, Triple, axes_of, capped, dot
-from crosstrack.track.clock import Clock, Timed, begin, model_of, tick
+from crosstrack.track.approach import affordable, eased, limits_of
+from crosstrack.track.attitude import Axes, Triple, axes_of, capped, dot, seen, world
+from crosstrack.track.clock import Clock, Timed, begin, model_of, rate_delay, tick
 from crosstrack.track.integral import accumulate
-from crosstrack.track.linear import Flying, flying, seen, world
+from crosstrack.track.linear import Flying, flying
 from crosstrack.track.reference import motion
 from crosstrack.track.schedule import Schedule, blended, by_thrust, by_time
 from crosstrack.types import Array, Envelope, Model, Positive, RateSetpoint, State
@@ -93,14 +93,14 @@ class Lqr:
         out, gathered = np.empty(4), memory.gathered.copy()
         regulate(
             clock.reference.rows,
-            state.time - clock.began - clock.reference.begin,
+            clock.since(state),
             duration,
             (state.position, state.velocity, state.attitude, state.rate),
             gathered,
             schedule.gains,
             (state.time - clock.began - schedule.begin) / schedule.spacing if schedule.by_time else math.nan,
             (schedule.begin, schedule.spacing, schedule.reach),
-            (model.thrust_min, model.thrust_max, math.tan(model.tilt_max)),
+            limits_of(model),
             (model.rate_time, model.thrust_time, model.rate_max),
             model.drag,
             model.drag_quadratic,
@@ -113,7 +113,7 @@ class Lqr:
         tilt, yaw = self.tilt_error, self.yaw_error
         allowed = [self.position_error] * 3 + [self.velocity_error] * 3 + [tilt, tilt, yaw] + [math.inf] * 3
         allowed += [self.integral_error] * 3 if self.integral else []
-        rate = self.rate_share * tilt / (envelope.response_time - model.attitude_time)
+        rate = self.rate_share * tilt / rate_delay(envelope, model)
         q, r = np.array(allowed) ** -2, np.array([rate, rate, self.yaw_rate, self.thrust]) ** -2
         if self.horizon == "finite":
             return by_time(clock.reference, model, q, r, period)
@@ -147,7 +147,7 @@ def regulate(
         gains: (rows, 4, n)
         row: of the gains, a fraction; NaN where they go by thrust
         table: m/s², thrust of the first row of the gains, and between two; m, reach of the position error
-        limits: least and most thrust (m/s²), tilt tangent
+        limits: see `approach.limits_of`
         answers: s, from a rate and a thrust asked for to those flown; most rate (rad/s)
         linear: (3,) 1/s, drag
         square: (3,) 1/m, drag
@@ -155,6 +155,7 @@ def regulate(
     """
     position, velocity, attitude, rate = state
     now, axes, flown = motion(rows, since), axes_of(attitude), np.empty((3, 15))
+    # In one loop, for `flying` is compiled into wherever it is called.
     for k, delay in enumerate((0.0, 0.5 * period + answers[0], 0.5 * period + answers[1])):
         write(flying(motion(rows, since + delay), limits, linear, square), flown[k])
     ref, force, thrust = axes_in(flown[0]), force_in(flown[0]), thrust_in(flown[0])

@@ -8,8 +8,8 @@ import numpy as np
 from crosstrack.protocols import Course
 from crosstrack.track.clock import model_of, tick
 from crosstrack.track.condensed import Flags, Solution
-from crosstrack.track.geometric import constants_of, steer
-from crosstrack.track.incremental import Incremental, IncrementalMemory, measured, unexplained
+from crosstrack.track.geometric import commanded
+from crosstrack.track.incremental import Incremental, IncrementalMemory, felt, measured
 from crosstrack.track.mpc_design import CHECKED, HELD, STEP, STEPS, Design, design
 from crosstrack.track.mpc_preview import bounds_of, deviation, preview
 from crosstrack.types import Array, Model, Positive, RateSetpoint, State
@@ -63,7 +63,8 @@ class Mpc:
         """Build the program, and begin the trajectory now.
 
         Raises:
-            InputError: the course has no trajectory, or the vehicle takes no rates or does not measure what is needed.
+            InputError: the course has no trajectory, the vehicle takes no rates or does not measure what is needed, or
+                the weights have no answer.
         """
         seen = Incremental().start(course, state)
         made = self.designed(course, HELD)
@@ -81,28 +82,14 @@ class Mpc:
             memory = replace(memory, design=made, active=made.program.flags)
         clock, model, made = tick(memory.clock, course, state, duration), model_of(course), memory.design
         rows, since = clock.reference.rows, clock.since(state)
-        push, known, out = np.empty(3), np.empty(3), np.empty(4)
-        share = 1 - math.exp(-self.bandwidth * duration)
-        unexplained(memory.push, memory.known, state.acceleration, share, *measured(state, model), push, known)
+        push, known = felt(memory, state, model, self.bandwidth, duration)
         off = np.empty(12)
         deviation(rows, since, state.position, *measured(state, model), state.rate, known + push, off)
         plan = planned(made, model, rows, since, push, off, memory.active)
-        steer(
-            rows,
-            since,
-            duration,
-            state.position,
-            state.velocity,
-            state.attitude,
-            push - (plan.inputs[:3] if plan.found else -made.gains @ off),
-            (0.0, 0.0, made.gain, math.inf),
-            constants_of(model),
-            model.drag,
-            model.drag_quadratic,
-            out,
-        )
+        more = plan.inputs[:3] if plan.found else -made.gains @ off
+        asked = commanded(clock, state, model, duration, push - more, (0.0, 0.0, made.gain, math.inf))
         missed = memory.missed + (not plan.found)
-        return RateSetpoint(out[:3], float(out[3])), MpcMemory(clock, push, known, made, plan.active, missed)
+        return asked, MpcMemory(clock, push, known, made, plan.active, missed)
 
 
 def planned(made: Design, model: Model, rows: Array, since: float, push: Array, off: Array, active: Flags) -> Solution:

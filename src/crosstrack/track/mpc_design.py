@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm, solve_discrete_are
 
+from crosstrack.track.clock import rate_delay
 from crosstrack.track.condensed import Condensed, Program, condense
+from crosstrack.track.riccati import discretised, stationary
 from crosstrack.types import Array, Envelope, Model
 
 STEPS = 20
@@ -68,11 +69,9 @@ def deviations(gain: float, lag: float, step: float) -> tuple[Array, Array]:
     Returns:
         (4, 4) A and (4, 1) B
     """
-    rates = np.zeros((5, 5))
-    rates[0, 1] = rates[1, 2] = rates[2, 3] = 1.0
-    rates[3, 2:5] = -gain / lag, -1 / lag, gain / lag
-    moved: Array = expm(rates * step)
-    return moved[:4, :4], moved[:4, 4:]
+    rates = np.eye(4, k=1)
+    rates[3, 2:] = -gain / lag, -1 / lag
+    return discretised(rates, np.array([[0.0], [0.0], [0.0], [gain / lag]]), step)
 
 
 def design(
@@ -87,13 +86,16 @@ def design(
         attitude_gain: 1, attitude gain times the time the vehicle takes to answer a rate
         position: m, position error as dear as 1 m/s² of input
         velocity: m/s, velocity error as dear as 1 m/s² of input
+
+    Raises:
+        InputError: the errors are so far from one another that there is no answer in floating point.
     """
-    lag = envelope.response_time - model.attitude_time + 0.5 * held  # a late estimate counts
+    lag = rate_delay(envelope, model) + 0.5 * held
     gain = attitude_gain / lag
     dynamics, inputs = deviations(gain, lag, STEP)
     weight, effort = np.diag([position**-2, velocity**-2, 0.0, 0.0]), np.eye(1)
-    final = solve_discrete_are(dynamics, inputs, weight, effort)
-    a, b, q, r, p = (np.kron(part, AXES) for part in (dynamics, inputs, weight, effort, final))
+    _, final = stationary(dynamics, inputs, weight, effort)
+    a, b, q, r, p = (np.asarray(np.kron(part, AXES), np.float64) for part in (dynamics, inputs, weight, effort, final))
     condensed = condense(a, b, q, r, p, STEPS)
     forces, least, most = thrust_rows(model)
     headings, fastest = speed_rows(envelope)

@@ -81,7 +81,7 @@ def reference(trajectory: Trajectory, heading: float, t: float = 0.0) -> Referen
     if isinstance(trajectory, Facing):
         yaw = [trajectory.yaw(times), np.where(moving[:, 0], trajectory.yaw(times, 1), 0.0)]
     else:
-        yaw = [np.full(ROWS, heading), np.full(ROWS, 0.0 * heading)]
+        yaw = [np.full(ROWS, heading), np.full(ROWS, 0.0 * heading)]  # both NaN where none is asked for
     return Reference(trajectory, heading, t, np.column_stack([orders[0], *derivatives, *yaw]))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.track.approach import braking
+from crosstrack.track.approach import braking, limits_of
 from crosstrack.track.linear import INPUTS, STATES, dynamics, dynamics_along
 from crosstrack.track.reference import ROWS, SPACING, Reference, reference
 from crosstrack.track.riccati import backwards, discretised, stationary
@@ -87,7 +87,7 @@ def by_time(stretch: Reference, model: Model, q: Array, r: Array, period: float)
     last, cost = hovering(model, GRAVITY, q, r, period)
     rows = [staged(last[None], np.array([GRAVITY]))]
     share = stride * max(1, int((ROWS - 1) * SPACING / period) // stride)
-    limits = (model.thrust_min, model.thrust_max, math.tan(model.tilt_max))
+    limits = limits_of(model)
     for first in reversed(range(0, steps, share)):
         count = min(share, steps - first)
         a, b = np.empty((count, STATES, STATES)), np.empty((count, STATES, INPUTS))
