@@ -24,9 +24,9 @@ class Path(Protocol):
         """
 
     def project(self, point: Array, near: float, reach: float) -> float:
-        """Return the arc length of the point of the path closest to `point` within `near` ± `reach`.
+        """Return the arc length in [near, near + reach] of the point of the path closest to `point`.
 
-        Local, so that crossing, closed and reversing paths do not jump.
+        Local and ahead only, so that crossing, closed and reversing paths do not jump.
         """
 
 

@@ -226,6 +226,7 @@ def test_far_off_it_flies_back_without_tumbling(offset: Any) -> None:
     plan = plan_along(CURVE, Lqr(), vehicle=Quadrotor(airframe="generic"))
     off = replace(plan.scenario, position=plan.scenario.position + np.array(offset))
     flight = fly(replace(plan, scenario=off))
+    assert flight.outcome is Outcome.ARRIVED
     up = 1 - 2 * (flight.record.attitude[:, 0] ** 2 + flight.record.attitude[:, 1] ** 2)
     assert np.degrees(np.arccos(up.min())) < 65 + 8
     assert lag(flight, CURVE)[flight.record.time > 7].max() < 0.1

@@ -11,6 +11,9 @@ from crosstrack.protocols import Course
 from crosstrack.track.reference import ROWS, SPACING, Reference, reference, trajectory_of
 from crosstrack.types import Array, Envelope, Model, State
 
+EARLY = 1.0
+"""m, that the closest point is looked for beyond where the trajectory has come to"""
+
 
 @dataclass(frozen=True)
 class Clock:
@@ -26,6 +29,8 @@ class Clock:
     """m, cross-track error"""
     reference: Reference
     """the stretch of the trajectory around now"""
+    due: float
+    """m, arc length that the trajectory has come to"""
 
     def since(self, state: State) -> float:
         """Return the time (s) after the first sample of the stretch."""
@@ -64,18 +69,23 @@ def begin(course: Course, state: State, heading: float | None = None) -> Clock:
     foot = course.path(course.entry)
     error = float(np.linalg.norm(foot - state.position))
     yaw = heading_of(state.attitude) if heading is None else heading
-    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, yaw))
+    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, yaw), course.entry)
 
 
 def tick(clock: Clock, course: Course, state: State, duration: float) -> Clock:
-    """Return the clock now, `duration` (s) after the step before."""
-    moved = math.sqrt(state.velocity @ state.velocity) * duration
-    s = course.path.project(state.position, clock.progress, reach_of(clock.error, moved))
-    offset = course.path(s) - state.position
+    """Return the clock now, `duration` (s) after the step before.
+
+    Far off, the closest point may be one that the trajectory comes to much later, and is not taken for progress.
+    """
     now = state.time - clock.began
     stretch = clock.reference.covering(now)
-    k = min(int((now - stretch.begin) / SPACING + 0.5), ROWS - 1)
-    return Clock(s, stretch.rows[k, :3], clock.began, math.sqrt(offset @ offset), stretch)
+    row = stretch.rows[min(int((now - stretch.begin) / SPACING + 0.5), ROWS - 1)]
+    due = clock.due + math.sqrt(row[3:6] @ row[3:6]) * duration
+    moved = math.sqrt(state.velocity @ state.velocity) * duration
+    reach = min(reach_of(clock.error, moved), max(0.0, due + EARLY - clock.progress))
+    s = course.path.project(state.position, clock.progress, reach)
+    offset = course.path(s) - state.position
+    return Clock(s, row[:3], clock.began, math.sqrt(offset @ offset), stretch, due)
 
 
 def heading_of(attitude: Array) -> float:

@@ -9,8 +9,8 @@ from crosstrack.track.attitude import (
     Triple,
     axes_for,
     dot,
-    drag_of,
     drag_while,
+    easing_of,
     rate_along,
     seen,
 )
@@ -41,7 +41,7 @@ def flying(at: Motion, limits: Triple, linear: Array, square: Array) -> Flying:
         drag = drag_while(axes, air, need, linear, square)
         f = affordable((need[0] - drag[0], need[1] - drag[1], need[2] - drag[2]), limits)
         axes = axes_for(f, at[15])
-    easing = drag_of(axes, (at[6], at[7], at[8]), math.sqrt(math.sqrt(dot(f, f)) / GRAVITY), linear, 2 * square)
+    easing = easing_of(axes, air, (at[6], at[7], at[8]), math.sqrt(math.sqrt(dot(f, f)) / GRAVITY), linear, square)
     change = (at[9] - easing[0], at[10] - easing[1], at[11] - easing[2])
     return axes, f, rate_along(axes, f, change, at[15], at[16])
 
