@@ -112,7 +112,8 @@ def test_drag_eases_as_its_derivative() -> None:
     rng = np.random.default_rng(2)
     frame = np.linalg.qr(rng.normal(size=(3, 3)))[0].ravel()
     air, change, linear, square = rng.normal(size=3) * 5, rng.normal(size=3), rng.random(3), rng.random(3)
-    axes, h = tuple(frame), 1e-5
+    axes: Any = tuple(frame)
+    h = 1e-5
     later, sooner = (drag_of(axes, tuple(air + side * h * change), 1.3, linear, square) for side in (1, -1))
     eased = easing_of(axes, tuple(air), tuple(change), 1.3, linear, square)
     np.testing.assert_allclose(eased, (np.array(later) - sooner) / (2 * h), rtol=1e-6)
