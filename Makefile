@@ -20,6 +20,9 @@ test-slow: $(VENV)/installed-slow
 bench: $(VENV)/installed-bench
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
+FOLLOWERS := carrot pure_pursuit nlgl proportional_los vector_field npfg lqr_path move_on_path published_carrot
+TRACKERS := feed_forward cascaded_pid lqr geometric incremental mpc
+
 # The pictures of the documentation.
 pictures: $(VENV)/installed
 	for name in demo article_four_points airsim_path_10; do \
@@ -27,6 +30,19 @@ pictures: $(VENV)/installed
 	cp runs/demo/space.png docs/pictures/demo.png
 	cp runs/article_four_points/plan.png docs/pictures/article_four_points.png
 	cp runs/airsim_path_10/plan.png docs/pictures/airsim_path_10.png
+	for law in $(FOLLOWERS); do \
+		$(BIN)/crosstrack fly examples/square.yaml --out runs/$$law --png --set tracker.kind=$$law --set speed=8 \
+			--set 'wind={mean: [3, 2, 0], gusts: moderate}' || exit 1; \
+		cp runs/$$law/plan.png docs/pictures/law_$$law.png; done
+	for law in $(TRACKERS); do \
+		$(BIN)/crosstrack fly examples/fast_eight.yaml --out runs/$$law --png --set tracker.kind=$$law || exit 1; \
+		cp runs/$$law/plan.png docs/pictures/law_$$law.png; done
+	$(BIN)/crosstrack compare examples/square.yaml --out runs/followers --png --seeds 3 --set speed=8 \
+		--wind calm --wind 3,2,0,moderate
+	cp runs/followers/comparison.png docs/pictures/followers.png
+	$(BIN)/crosstrack compare examples/fast_eight.yaml --out runs/trackers --png --seeds 3 \
+		--trackers feed_forward,cascaded_pid,lqr,geometric,incremental,mpc
+	cp runs/trackers/comparison.png docs/pictures/trackers.png
 
 lint: $(VENV)/installed-test
 	$(BIN)/ruff check

@@ -109,7 +109,8 @@ def at(s: float, order: int, knots: Array, squares: Array) -> float:
     slope = (squares[k + 1] - squares[k]) / (knots[k + 1] - knots[k])
     if order == 1:
         return float(0.5 * slope)
-    return math.sqrt(squares[k] + slope * (min(max(s, knots[0]), knots[-1]) - knots[k]))
+    square = squares[k] + slope * (min(max(s, knots[0]), knots[-1]) - knots[k])
+    return math.sqrt(max(0.0, square))  # rounding may leave a rest below zero
 
 
 @compiled

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosstrack.compiled import compiled
 from crosstrack.path.cells import pace
 from crosstrack.path.traced import Traced, traced
 from crosstrack.protocols import Course, Trajectory
@@ -33,6 +34,10 @@ class Pace:
 
     def __call__(self, s: float | Array, order: int = 0) -> Array:
         """Evaluate at arc length `s` (...): speed (m/s) or acceleration along the path (m/s²) for order 0, 1."""
+        if isinstance(s, float):
+            path = self.path
+            arrays = path.knots, path.arcs, path.velocities, path.tangents, path.halves
+            return np.asarray(pace_at(s, order, self.zones, self.ends, self.least, *arrays))
         s = np.asarray(s, float)
         speed = paced(self.path, s, 0)
         least = np.zeros(s.shape)
@@ -42,6 +47,34 @@ class Pace:
         if order == 0:
             return np.maximum(speed, least)
         return np.where(speed >= least, paced(self.path, s, 1), 0.0)
+
+
+@compiled
+def pace_at(
+    s: float,
+    order: int,
+    zones: Array,
+    ends: Array,
+    least: Array,
+    knots: Array,
+    arcs: Array,
+    velocities: Array,
+    tangents: Array,
+    halves: Array,
+) -> float:
+    """Return what `Pace` is at one arc length (m)."""
+    where, out = np.array([s]), np.empty(1)
+    pace(where, 0, knots, arcs, velocities, tangents, halves, out)
+    speed, floor = out[0], 0.0
+    if zones.size > 0:
+        k = max(int(np.searchsorted(zones, s, side="right")) - 1, 0)
+        floor = least[k] if zones[k] <= s < ends[k] else 0.0
+    if order == 0:
+        return float(max(speed, floor))
+    if speed < floor:
+        return 0.0
+    pace(where, order, knots, arcs, velocities, tangents, halves, out)
+    return float(out[0])
 
 
 def paced(path: Traced, s: Array, order: int) -> Array:
