@@ -20,6 +20,8 @@ test-slow: $(VENV)/installed-slow
 bench: $(VENV)/installed-bench
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
+comma := ,
+space := $(subst ,, )
 FOLLOWERS := carrot pure_pursuit nlgl proportional_los vector_field npfg lqr_path move_on_path published_carrot
 TRACKERS := feed_forward cascaded_pid lqr geometric incremental mpc
 
@@ -38,10 +40,11 @@ pictures: $(VENV)/installed
 		$(BIN)/crosstrack fly examples/fast_eight.yaml --out runs/$$law --png --set tracker.kind=$$law || exit 1; \
 		cp runs/$$law/plan.png docs/pictures/law_$$law.png; done
 	$(BIN)/crosstrack compare examples/square.yaml --out runs/followers --png --seeds 3 --set speed=8 \
+		--trackers $(subst $(space),$(comma),$(FOLLOWERS)) \
 		--wind calm --wind 3,2,0,moderate
 	cp runs/followers/comparison.png docs/pictures/followers.png
 	$(BIN)/crosstrack compare examples/fast_eight.yaml --out runs/trackers --png --seeds 3 \
-		--trackers feed_forward,cascaded_pid,lqr,geometric,incremental,mpc
+		--trackers $(subst $(space),$(comma),$(TRACKERS))
 	cp runs/trackers/comparison.png docs/pictures/trackers.png
 
 lint: $(VENV)/installed-test

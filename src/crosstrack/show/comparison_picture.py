@@ -14,7 +14,8 @@ from crosstrack.show.pictures import sheet, write
 from crosstrack.show.style import ALARM, GRID, INK, ROUTE
 
 LINES = {"solid": "-", "dash": "--", "dot": ":", "dashdot": "-."}
-METRIC = "cross_track_rms_captured_m"
+ON_PATH = ("cross_track_rms_captured_m", "cross-track error, RMS once captured (m)")
+BY_CLOCK = ("tracking_rms_m", "distance to where the trajectory is by then, RMS (m)")
 WIDE = 20.0
 """ratio of the largest error to the least from which an axis is logarithmic"""
 
@@ -85,7 +86,9 @@ def paths(axes: Any, group: Group, known: Mapping[str, Look]) -> None:
 def spreads(axes: Any, flights: Sequence[Flown], known: Mapping[str, Look]) -> None:
     """Draw a box and its points for every tracker of a mission, the best on top."""
     rows = standings(flights)
-    values = [[flight.summary[METRIC] for flight in flights if counts(flight, row.tracker)] for row in rows]
+    timed = all(flight.summary[BY_CLOCK[0]] is not None for flight in flights)
+    metric, name = BY_CLOCK if timed else ON_PATH
+    values = [[flight.summary[metric] for flight in flights if counts(flight, row.tracker, metric)] for row in rows]
     heights = range(len(rows), 0, -1)
     for row, height, found in zip(rows, heights, values, strict=True):
         if found:
@@ -97,7 +100,7 @@ def spreads(axes: Any, flights: Sequence[Flown], known: Mapping[str, Look]) -> N
         axes.set_xlim(0, 1.05 * max(max(every), 1e-6))
     axes.set_yticks(heights, [label(row.tracker, row.failures) for row in rows], parse_math=False)
     axes.set_ylim(0.4, len(rows) + 0.6)
-    axes.set_xlabel("cross-track error, RMS once captured (m)")
+    axes.set_xlabel(name)
     tidy(axes)
 
 
@@ -110,9 +113,9 @@ def box(axes: Any, values: Sequence[float], height: float, color: str) -> None:
     axes.plot(values, np.full(len(values), height), ".", color=color, markersize=5, alpha=0.6)
 
 
-def counts(flight: Flown, tracker: str) -> bool:
+def counts(flight: Flown, tracker: str, metric: str) -> bool:
     """Return whether a flight belongs into the box of a tracker."""
-    return flight.tracker == tracker and flight.arrived and flight.summary[METRIC] is not None
+    return flight.tracker == tracker and flight.arrived and flight.summary[metric] is not None
 
 
 def label(tracker: str, failures: str) -> str:
