@@ -1,6 +1,7 @@
 """Flights made without a simulator, of a vehicle that slides along a given curve; and short flights to run as tasks."""
 
 import os
+import signal
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,9 @@ from crosstrack.path.polyline import Polyline
 from crosstrack.protocols import Course
 from crosstrack.types import Array, Envelope, Outcome
 
+# In the background of a shell Ctrl-C is ignored, and so it would be by all that the tests start.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 # Compilation makes first examples slow; a shared machine runs the same examples every time.
 settings.register_profile("crosstrack", deadline=None, derandomize="CI" in os.environ)
 settings.load_profile("crosstrack")
