@@ -17,10 +17,10 @@ from crosstrack.protocols import Scenario
 from crosstrack.track.feed_forward import FeedForward
 from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
-from crosstrack.types import Air, Array, Limits, Noise, Outcome, Wind
+from crosstrack.types import Air, Array, Limits, Mismatch, Noise, Outcome, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
 
-LIMITS, CALM, EXACT, STANDARD = Limits(), Wind(), Noise(), Air()
+LIMITS, CALM, EXACT, STANDARD, NOMINAL = Limits(), Wind(), Noise(), Air(), Mismatch()
 
 
 class OpenSky:
@@ -116,10 +116,12 @@ def tour(speed: float, points: Array = TOUR) -> PiecewisePolynomial:
     return minimum(points, curve.knots * (top / speed), 4)
 
 
-def plan_along(curve: Any, tracker: Any = None, **options: Any) -> Plan:
+def plan_along(curve: Any, tracker: Any = None, mismatch: Mismatch = NOMINAL, **options: Any) -> Plan:
+    """Plan to fly a trajectory, by default with feed-forward and room to tilt."""
     route = curve(np.linspace(0, curve.duration, 300))
-    plan = plan_for(route, tracker=tracker or FeedForward(), limits=FAST, **options)
-    return replace(plan, course=course_of(curve, plan.course.envelope))
+    plan = plan_for(route, tracker=tracker or FeedForward(), **{"limits": FAST, **options})
+    scenario = replace(plan.scenario, mismatch=mismatch)
+    return replace(plan, course=course_of(curve, plan.course.envelope), scenario=scenario)
 
 
 def lag(flight: Flight, curve: Any) -> Array:

@@ -93,9 +93,9 @@ def state_at(position: Any, velocity: Any) -> State:
     return State(0.0, np.array(position, float), np.array(velocity, float), np.array([0.0, 0, 0, 1]), np.zeros(3))
 
 
-def values(item: object) -> list[Any]:
+def values(item: Any) -> list[Any]:
     """Return the fields of a command or a memory."""
-    return [getattr(item, field.name) for field in fields(item)]  # type: ignore[arg-type]  # every one is a dataclass
+    return [getattr(item, field.name) for field in fields(item)]
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flights import lag, plan_along, rms, tour
+from flights import NOMINAL, lag, plan_along, rms, tour
 from scipy.spatial.transform import Rotation
 
 from crosstrack.errors import InputError
@@ -19,14 +19,12 @@ from crosstrack.vehicles.point import Point
 from crosstrack.vehicles.quadrotor import Quadrotor
 
 CURVE = tour(5.0)
-NOMINAL = Mismatch()
 WRONG = Mismatch(mass=1.1, drag=1.2)
 HEAVY = Mismatch(mass=1.1)
 
 
 def flown(tracker: Any, airframe: Any = "generic", mismatch: Mismatch = NOMINAL, **options: Any) -> tuple[Any, Array]:
-    plan = plan_along(CURVE, tracker, vehicle=Quadrotor(airframe=airframe), **options)
-    flight = fly(replace(plan, scenario=replace(plan.scenario, mismatch=mismatch)))
+    flight = fly(plan_along(CURVE, tracker, mismatch, vehicle=Quadrotor(airframe=airframe), **options))
     return flight, lag(flight, CURVE)
 
 

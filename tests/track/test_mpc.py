@@ -4,16 +4,15 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import flights
 import numpy as np
 import pytest
-from flights import plan_for
+from flights import lag, rms
 from scipy.integrate import solve_ivp
 
 from crosstrack.errors import InputError
-from crosstrack.flight.flight import Flight
 from crosstrack.flight.loop import fly
 from crosstrack.flight.plan import Plan
-from crosstrack.path.pace import course_of
 from crosstrack.track import condensed
 from crosstrack.track.attitude import drag_of, easing_of
 from crosstrack.track.geometric import Geometric
@@ -40,18 +39,10 @@ def loop(speed: float, points: Array = LOOP) -> PiecewisePolynomial:
     return minimum(points, knots * top / speed, 4)
 
 
-def plan_along(curve: Any, tracker: Any = None, mismatch: Mismatch = Mismatch(), **options: Any) -> Plan:  # noqa: B008
+def plan_along(curve: Any, tracker: Any = None, **options: Any) -> Plan:
     """Plan to fly a trajectory on a racer."""
     options = {"vehicle": Quadrotor(airframe="racer"), "limits": LIMITS, **options}
-    plan = plan_for(curve(np.linspace(0, curve.duration, 300)), tracker=tracker or Mpc(), **options)
-    scenario = replace(plan.scenario, position=curve(0.0), mismatch=mismatch)
-    return replace(plan, course=course_of(curve, plan.course.envelope), scenario=scenario)
-
-
-def off_by(flight: Flight, curve: Any) -> Array:
-    """Return the distance to where the trajectory is, at every sample."""
-    record = flight.record
-    return np.asarray(np.linalg.norm(record.position - curve(record.time - record.time[0]), axis=1))
+    return flights.plan_along(curve, tracker or Mpc(), **options)
 
 
 def model_of(plan: Plan) -> Model:
@@ -243,4 +234,4 @@ def test_two_g_at_13_metres_a_second(rate: float, mismatch: Mismatch, wind: Wind
     assert 1.8 * GRAVITY < hardest < 2.2 * GRAVITY
     flight = fly(plan_along(curve, mismatch=mismatch, wind=wind, rate=rate))
     assert flight.outcome is Outcome.ARRIVED
-    assert math.sqrt(np.mean(off_by(flight, curve) ** 2)) < bound
+    assert rms(lag(flight, curve)) < bound

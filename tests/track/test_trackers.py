@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flights import plan_for
+from flights import plan_for, rms
 
 from crosstrack import registry
 from crosstrack.errors import InputError
@@ -95,10 +95,6 @@ def errors(flight: Flight) -> Array:
     record, trajectory = flight.record, flight.plan.course.trajectory
     assert trajectory is not None
     return np.asarray(np.linalg.norm(record.position - trajectory(record.time - record.time[0]), axis=1))
-
-
-def rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def numbers(command: Command) -> Array:

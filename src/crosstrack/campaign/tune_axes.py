@@ -101,14 +101,19 @@ def bounds(hint: Any) -> tuple[float, float]:
     for mark in get_args(hint)[1:]:
         match mark:
             case Ge(limit):
-                low = max(low, float(limit))  # type: ignore[arg-type]  # annotations allow more than numbers
+                low = max(low, number(limit))
             case Gt(limit):
-                low = max(low, math.nextafter(limit, math.inf))  # type: ignore[arg-type]
+                low = max(low, math.nextafter(number(limit), math.inf))
             case Le(limit):
-                high = min(high, float(limit))  # type: ignore[arg-type]
+                high = min(high, number(limit))
             case Lt(limit):
-                high = min(high, math.nextafter(limit, -math.inf))  # type: ignore[arg-type]
+                high = min(high, math.nextafter(number(limit), -math.inf))
     return low, high
+
+
+def number(limit: Any) -> float:
+    """Return the limit of an annotation, which may be of whatever can be compared; of a number it is one."""
+    return float(limit)
 
 
 def between(low: float, high: float) -> str:

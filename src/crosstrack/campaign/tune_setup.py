@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeVar
 
 from crosstrack.campaign.flights import flight_task
@@ -108,7 +109,7 @@ def tuning(
     changed = mission if same else attempt(lambda: with_tracker(mission, str(tracker)), "--tracker", problems)
     words = tuple(distinct(winds))
     for word in words:
-        attempt(lambda word=word: in_wind(mission, word), "--wind", problems)  # type: ignore[misc]  # its own default
+        attempt(partial(in_wind, mission, word), "--wind", problems)
     axes = attempt(lambda: axes_of(changed.tracker, parameters), "--parameter", problems) if changed else None
     terms = attempt(lambda: terms_for(changed or mission, cost), "--cost", problems)
     if seeds is None:

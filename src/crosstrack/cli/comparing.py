@@ -3,10 +3,8 @@
 import io
 import json
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from crosstrack import mission as missions
@@ -21,8 +19,9 @@ from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done
 from crosstrack.campaign.words import OWN, tracker_words
 from crosstrack.cli import codes
+from crosstrack.cli.tally import Tally
 from crosstrack.cli.verbs import compiled_before, made, named
-from crosstrack.cli.watch import LINE_EVERY, say
+from crosstrack.cli.watch import say
 from crosstrack.errors import InputError, Problem
 
 RESULTS, TABLE, PAGE, PICTURE = "results.jsonl", "results.csv", "comparison.html", "comparison.png"
@@ -187,48 +186,22 @@ def length(error: float) -> str:
     return f"{error:.3f}" if error < float("inf") else "never"
 
 
-class Count:
-    """Show how many flights are done: a bar in a terminal, a line now and then elsewhere."""
+class Count(Tally):
+    """Show how many flights are done, and how many of them were lost."""
 
     def __init__(self, total: int, before: int) -> None:
-        self.total, self.done, self.lost = total, before, 0
-        self.bar: Any = None
-        self.due = time.monotonic() + LINE_EVERY
+        super().__init__(total, before)
+        self.done, self.lost = before, 0
 
     def __enter__(self) -> Self:
         """Say what is to be done."""
         kept = f", {self.done} of them kept from before" if self.done else ""
         say(f"Flights to compare: {self.total}{kept}." + " The first ones take longest." * (self.done < self.total))
-        if sys.stderr.isatty():
-            self.bar = _bar()
-            self.row = self.bar.add_task("", total=self.total, completed=self.done)
-            self.bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the bar down."""
-        if self.bar:
-            self.bar.stop()
+        return super().__enter__()
 
     def __call__(self, done: Done) -> None:
         """Count a flight, and show it when it is due."""
         self.done += 1
         self.lost += done.error is not None
         lost = f", {self.lost} lost" if self.lost else ""
-        now = time.monotonic()
-        if self.bar:
-            self.bar.update(self.row, completed=self.done, description=f"flights{lost}")
-        elif now >= self.due:
-            self.due = now + LINE_EVERY
-            say(f"{self.done} of {self.total} flights{lost}")
-
-
-def _bar() -> Any:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    return Bar(*columns, console=Console(stderr=True), transient=True)
+        self.show(self.done, f"flights{lost}", f"{self.done} of {self.total} flights{lost}")

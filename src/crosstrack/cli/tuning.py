@@ -3,11 +3,8 @@
 import json
 import math
 import os
-import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from crosstrack import mission as missions
@@ -19,8 +16,9 @@ from crosstrack.campaign.tune_setup import Tuning, tuning
 from crosstrack.campaign.words import OWN
 from crosstrack.cli import codes
 from crosstrack.cli.comparing import show
+from crosstrack.cli.tally import Tally
 from crosstrack.cli.verbs import made, named
-from crosstrack.cli.watch import LINE_EVERY, say
+from crosstrack.cli.watch import say
 from crosstrack.errors import InputError, Problem
 from crosstrack.mission.load import dump
 
@@ -205,46 +203,20 @@ def at_end(axis: Axis, found: Tuned) -> bool:
     return found.after is not found.before and not EDGE < axis.unit(found.after.values[axis.name]) < 1 - EDGE
 
 
-class Count:
-    """Show how many flights are flown and the best cost: a bar in a terminal, a line now and then elsewhere."""
+class Count(Tally):
+    """Show how many flights are flown, and the best cost."""
 
     def __init__(self, what: Tuning) -> None:
+        super().__init__(what.budget)
         self.what = what
-        self.bar: Any = None
-        self.due = time.monotonic() + LINE_EVERY
 
     def __enter__(self) -> Self:
         """Say what is to be done."""
         names = ", ".join(axis.name for axis in self.what.axes)
         say(f"Tuning {names} in up to {self.what.budget} flights; the first ones take longest. Ctrl-C keeps the best.")
-        if sys.stderr.isatty():
-            self.bar = _bar()
-            self.row = self.bar.add_task("", total=self.what.budget)
-            self.bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Take the bar down."""
-        if self.bar:
-            self.bar.stop()
+        return super().__enter__()
 
     def __call__(self, flown: int, best: Trial | None) -> None:
         """Count a flight, and show it when it is due."""
         told = f"best cost {best.cost}" if best else "measuring the present values"
-        now = time.monotonic()
-        if self.bar:
-            self.bar.update(self.row, completed=flown, description=told)
-        elif now >= self.due:
-            self.due = now + LINE_EVERY
-            say(f"{flown} of {self.what.budget} flights, {told}")
-
-
-def _bar() -> Any:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    return Bar(*columns, console=Console(stderr=True), transient=True)
+        self.show(flown, told, f"{flown} of {self.total} flights, {told}")
