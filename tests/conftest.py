@@ -15,6 +15,7 @@ from hypothesis import settings
 import crosstrack as ct
 from crosstrack.campaign.grid import grid
 from crosstrack.campaign.task import Task
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
@@ -75,13 +76,14 @@ CUBE = (
          [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
     ),
 )  # fmt: skip
+EFFORT = Effort(flying=0.4, planning=0.02, decision=1e-4, decision_worst=2e-4)
 SQUARE = np.array([[0, 0, 10], [20, 0, 10], [20, 20, 10], [0, 20, 10], [0, 0, 10]], dtype=float)
 
 
 def make_plan(route: Array, name: str = "square", speed: float = 5.0, obstacles: Any = (CUBE,)) -> Plan:
     path = Polyline(route)
     envelope = Envelope(speed=12.0, speed_vertical=4.0, acceleration=8.0, acceleration_vertical=4.0, response_time=0.2)
-    stand_in: Any = SimpleNamespace(world=Room(obstacles))
+    stand_in: Any = SimpleNamespace(world=Room(obstacles), traffic=None)
     none: Any = None
     return Plan(
         name=name,
@@ -121,6 +123,8 @@ def make_record(time: Array, position: Array, progress: Array, rotors: int = 4, 
         progress=progress,
         wind=np.tile([1.0, -0.5, 0.0], (count, 1)),
         clearance=np.full(count, clearance),
+        separation=np.full(count, np.inf),
+        interventions=np.zeros(count),
     )
 
 
@@ -130,7 +134,7 @@ def make_flight(duration: float = 16.0, rate: float = 50.0, name: str = "square"
     time = np.arange(round(duration * rate) + 1) / rate
     progress = plan.route.length * time / time[-1]
     position = plan.route(progress) + wiggle * np.sin(2 * time)[:, None] * np.array([0.5, 0.5, 0.7])
-    return Flight(plan, Outcome.ARRIVED, make_record(time, position, progress), 0.4)
+    return Flight(plan, Outcome.ARRIVED, make_record(time, position, progress), EFFORT)
 
 
 @pytest.fixture
@@ -149,7 +153,7 @@ def fly_along() -> Callable[..., Flight]:
 
     def fly(route: Array, time: Array, position: Array, progress: Array, **options: Any) -> Flight:
         plan = make_plan(route, obstacles=())
-        return Flight(plan, Outcome.ARRIVED, make_record(time, position, progress, **options), 0.4)
+        return Flight(plan, Outcome.ARRIVED, make_record(time, position, progress, **options), EFFORT)
 
     return fly
 

@@ -1,6 +1,5 @@
 """Plans for tests, in an open sky."""
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -19,26 +18,9 @@ from crosstrack.trajectory.minimum_derivative import minimum
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Air, Array, Limits, Mismatch, Noise, Outcome, Wind
 from crosstrack.vehicles.quadrotor import Quadrotor
+from crosstrack.world.world import World
 
 LIMITS, CALM, EXACT, STANDARD, NOMINAL = Limits(), Wind(), Noise(), Air(), Mismatch()
-
-
-class OpenSky:
-    """A world without obstacles."""
-
-    optimism = 0.0
-
-    def __init__(self, ground: float = 0.0, bounds: Array | None = None) -> None:
-        self.ground, self.bounds = ground, bounds
-
-    def distance(self, points: Array) -> Array:
-        return np.full(points.shape[:-1], np.inf)
-
-    def gradient(self, points: Array) -> Array:
-        return np.zeros_like(points)
-
-    def swept(self, start: Array, end: Array) -> float:
-        return math.inf
 
 
 def plan_for(
@@ -65,7 +47,7 @@ def plan_for(
     scenario = Scenario(
         position=np.array(start) if start else route(0.0),
         yaw=yaw,
-        world=world or OpenSky(),
+        world=world or World(),
         cruise=speed,
         limits=limits,
         wind=wind,

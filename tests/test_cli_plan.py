@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from crosstrack.cli.app import run
+from crosstrack.flight.metrics import OF_THE_MACHINE
 from crosstrack.trajectory.files.formats import from_bytes
 
 HOP = "start: {position: [0, 0, 5]}\nroute: [[6, 0, 5], [6, 5, 6]]\nspeed: 3\n"
@@ -23,7 +24,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def without_clock(summary: str) -> dict[str, object]:
-    return {name: value for name, value in json.loads(summary).items() if name != "wall_time_s"}
+    return {name: value for name, value in json.loads(summary).items() if name not in OF_THE_MACHINE}
 
 
 def test_plan_writes_trajectory_certificate_and_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

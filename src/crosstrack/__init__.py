@@ -41,6 +41,7 @@ _PUBLIC = {
     "certified": "mission.certified",
     "compare": "campaign.compare",
     "fly": "mission.flying",
+    "fly_together": "mission.flying",
     "from_document": "mission.load",
     "load": "mission.load",
     "loads": "mission.load",

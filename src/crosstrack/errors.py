@@ -54,6 +54,10 @@ class Infeasible(CrosstrackError):  # noqa: N818 - the field's word for it
         super().__init__("\n".join([f"{source}: infeasible", *(f"  {problem}" for problem in problems)]))
 
 
+class Unreachable(Infeasible):
+    """There is no way to a goal: obstacles enclose it, or leave no gap wide enough."""
+
+
 @contextmanager
 def reported_by(source: str) -> Iterator[None]:
     """Name the function that was called, not one that it calls, as the source of errors; also as a decorator."""

@@ -1,12 +1,16 @@
 """The seams between the roles. Whatever satisfies one of these plugs in by a line of the registry."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Literal, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crosstrack.types import Air, Array, Command, Envelope, Limits, Mismatch, Noise, Scan, State, Wind
+from crosstrack.types import ALONE, Air, Array, Command, Envelope, Limits, Mismatch, Noise, Others, Scan, State, Wind
+
+Field = NDArray[np.float32]
+"""distances at the points of a lattice: many"""
 
 
 class Path(Protocol):
@@ -72,6 +76,22 @@ class Map(Protocol):
     def swept(self, start: Array, end: Array) -> float:
         """Return the least signed distance along the straight segment between two points (3,), m."""
 
+    def field(self, low: Array, cell: float, counts: tuple[int, int, int], reach: float) -> Field:
+        """Return the distance at the points of a lattice, (counts) m: where it is below `reach`; `reach` elsewhere.
+
+        Args:
+            low: (3,) m, the first point
+            cell: m, between two points along each axis
+            counts: of points along each axis
+            reach: m, above zero
+        """
+
+    def cast(self, origin: Array, directions: Array, reach: float) -> Array:
+        """Return how far (n,) m rays go from a point (3,) along unit vectors (n, 3) until they hit an obstacle.
+
+        inf where that is not within `reach` (m); 0 from inside an obstacle. The ground is no obstacle.
+        """
+
 
 class Speed(Protocol):
     """A speed for every point of a path."""
@@ -101,7 +121,7 @@ class Course:
 
 @dataclass(frozen=True)
 class PlanningTask:
-    """What a planner is asked for: a trajectory from rest to rest."""
+    """What a planner is asked for: a trajectory that ends at rest."""
 
     waypoints: Array
     """(n, 3) m, at least two, no two in a row the same: where it begins, what it leads through, where it ends"""
@@ -116,10 +136,16 @@ class PlanningTask:
     """m, of the vehicle"""
     files: Mapping[str, bytes] = field(default_factory=dict)
     """contents of the files that the planner names"""
+    motion: Array = field(default_factory=lambda: np.zeros((2, 3)))
+    """(2, 3) m/s and m/s², velocity and acceleration to begin with; a planner that does not `replan` begins at rest"""
 
 
 class Planner(Protocol):
     """A law that turns waypoints into a trajectory."""
+
+    @property
+    def replans(self) -> bool:
+        """Whether it finds its own way between the waypoints, from any motion, so that it can be asked in flight."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -137,6 +163,7 @@ class Planner(Protocol):
 
         Raises:
             InputError: a file of its own cannot be used.
+            Unreachable: obstacles leave no way to a waypoint.
             Infeasible: no trajectory keeps within what is asked for, with where and why.
         """
 
@@ -171,16 +198,81 @@ class Tracker(Protocol[M]):
         """Return the command to hold for the next `duration` (s), and the new memory."""
 
 
-class Avoider(Protocol):
+@dataclass(frozen=True)
+class Surroundings:
+    """What a vehicle knows at one instant of what is around it."""
+
+    obstacles: Map
+    """what stands still: what it was told of the world, and what it has seen since; the unknown is free"""
+    others: Others = ALONE
+    """what moves, itself left out"""
+    scans: Sequence[Scan] = ()
+    """what its sensors have seen since the instant before; `obstacles` has it already"""
+    index: int = 0
+    """which it is of the vehicles that fly together"""
+    count: int = 1
+    """how many there are"""
+
+
+class Deliberation(Protocol):
+    """What an avoider remembers from step to step; the loop logs this."""
+
+    @property
+    def intervening(self) -> bool:
+        """Whether it changed the last command by more than rounding."""
+
+
+D = TypeVar("D", bound=Deliberation)
+
+
+class Avoider(Protocol[D]):
     """A law that changes a command so that the vehicle does not hit anything; avoiders form a chain."""
 
-    def start(self, course: Course, known: Map, state: State) -> Any:
-        """Return the memory to begin with; `known` is what the vehicle is told of the world before it flies."""
+    @property
+    def guards(self) -> bool:
+        """Whether it is there for safety alone: it takes any kind of command, and changes it only where it must."""
+
+    def start(self, course: Course, around: Surroundings, state: State) -> D:
+        """Return the memory to begin with, and to go on with on a new course."""
 
     def step(
-        self, memory: Any, command: Command, state: State, scan: Scan | None, duration: float
-    ) -> tuple[Command, Any]:
-        """Return the command to fly instead, and the new memory."""
+        self, memory: D, command: Command, state: State, around: Surroundings, duration: float
+    ) -> tuple[Command, D]:
+        """Return the command to fly instead for the next `duration` (s), and the new memory.
+
+        One that does not guard is only given a `Setpoint`.
+        """
+
+
+class Sensor(Protocol):
+    """A kind of sensor: what a mission says of it."""
+
+    @property
+    def rate(self) -> float:
+        """Hz, scans a second"""
+
+    @property
+    def range(self) -> float:
+        """m, farther than which it sees nothing"""
+
+    def look(self, world: Map, state: State, random: np.random.Generator) -> Scan:
+        """Return what it sees in a world from a true state; the ground of the world is seen too."""
+
+
+class Traffic(Protocol):
+    """Obstacles that move."""
+
+    def at(self, time: float) -> Map:
+        """Return them as they stand at a time (s)."""
+
+    def others(self, time: float) -> Others:
+        """Return balls that hold them at a time (s), and how they move."""
+
+    def swept(self, start: Array, end: Array, before: float, after: float) -> float:
+        """Return the least signed distance (m) to them of a point that goes straight from `start` to `end` (3,) m.
+
+        It leaves at the time `before` and gets there at the time `after` (s).
+        """
 
 
 EXACT = Mismatch()
@@ -205,6 +297,10 @@ class Scenario:
     """s, between two commands"""
     seed: int
     mismatch: Mismatch = EXACT
+    sensors: Sequence[Sensor] = ()
+    """what it sees with"""
+    traffic: Traffic | None = None
+    """what moves in the world; None where nothing does"""
 
 
 class Session(Protocol):
@@ -219,6 +315,9 @@ class Session(Protocol):
 
     def truth(self) -> State:
         """Return the true state where the vehicle knows it, the estimate otherwise."""
+
+    def scans(self) -> Sequence[Scan]:
+        """Return what its sensors have seen since this was last asked, in order of time."""
 
     def wind(self) -> Array:
         """Return the wind at the vehicle, (3,) m/s, NaN where not known."""

@@ -19,6 +19,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "planner": {
         "minimum_snap": "crosstrack.plan.minimum:MinimumSnap",
         "minimum_jerk": "crosstrack.plan.minimum:MinimumJerk",
+        "auto": "crosstrack.plan.auto:Auto",
         "file": "crosstrack.plan.from_file:FromFile",
     },
     "tracker": {
@@ -38,7 +39,15 @@ BUILT_IN: dict[str, dict[str, str]] = {
         "incremental": "crosstrack.track.incremental:Incremental",
         "mpc": "crosstrack.track.mpc:Mpc",
     },
-    "avoider": {},
+    "avoider": {
+        "potential": "crosstrack.avoid.potential:Potential",
+        "safety": "crosstrack.avoid.safety:Safety",
+    },
+    "sensor": {
+        "lidar": "crosstrack.sense.lidar:Lidar",
+        "depth_camera": "crosstrack.sense.depth_camera:DepthCamera",
+        "distance_ring": "crosstrack.sense.distance_ring:DistanceRing",
+    },
     "generator": {
         "forest": "crosstrack.world.generate:Forest",
         "maze": "crosstrack.world.generate:Maze",

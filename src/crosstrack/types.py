@@ -98,9 +98,29 @@ class Scan:
     directions: Array
     """(rays, 3) unit vectors, body"""
     ranges: Array
-    """(rays,) m; inf where nothing was hit"""
+    """(rays,) m; inf where nothing was hit, NaN where nothing was measured"""
     max_range: float
     """m, what an unhit ray has seen to be free"""
+    rows: int = 1
+    """of the picture that the rays form, row by row; 1 where they form none"""
+
+
+@dataclass(frozen=True, slots=True)
+class Others:
+    """What moves around a vehicle at one instant, as balls: other vehicles and moving obstacles."""
+
+    position: Array
+    """(n, 3) m, world"""
+    velocity: Array
+    """(n, 3) m/s, world"""
+    radius: Array
+    """(n,) m"""
+    avoids: NDArray[np.bool_]
+    """(n,) whether it gives way too, as other vehicles do"""
+
+
+ALONE = Others(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), np.empty(0, dtype=bool))
+"""nothing moves"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +170,8 @@ class Envelope:
     """m/s², the most it may be asked for up or down"""
     response_time: float
     """s, from an acceleration asked for to the acceleration flown"""
+    radius: float = 0.0
+    """m, of the sphere around its centre that must stay free"""
     stops: bool = True
     """whether it can come to rest"""
     model: Model | None = None
@@ -165,6 +187,7 @@ class Outcome(Enum):
     STUCK = "Made no progress along the path: the wind is above its speed, or a turn tighter than it can fly."
     LEFT_BOUNDS = "Left the bounds of the world."
     LOST_CONTROL = "Lost control: the vehicle turned over, or its state is no longer finite."
+    UNREACHABLE = "There is no way to the goal: obstacles enclose it, or leave no gap wide enough."
     LINK_LOST = "Lost the link to the vehicle."
     INTERRUPTED = "Interrupted before the last waypoint."
     FAILED = "Broken off by an error in the program."

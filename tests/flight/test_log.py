@@ -41,7 +41,7 @@ def write(flight: Flight, path: Path) -> Path:
     writer.begin(flight.plan)
     for row in samples(flight.record):
         writer.sample(row)
-    writer.end(flight.outcome, flight.wall_time)
+    writer.end(flight.outcome, flight.effort)
     return path
 
 
@@ -84,7 +84,7 @@ def test_reading_returns_what_was_flown_bit_for_bit(flight: Flight, log: Path) -
     assert same(read.record, flight.record)
     assert read.document == flight.plan.document
     assert read.files == flight.plan.files
-    assert (read.outcome, read.wall_time) == (flight.outcome, flight.wall_time)
+    assert (read.outcome, read.effort) == (flight.outcome, flight.effort)
 
 
 @pytest.mark.parametrize("rotors", [0, 1, 6])
@@ -181,7 +181,7 @@ def test_the_index_counts_and_finds_every_message(flight: Flight, log: Path) -> 
     counts = summary.statistics.channel_message_counts
     assert {counts[topics[name]] for name in ("/route", "/course", "/world")} == {1}
     assert {counts[number] for name, number in topics.items() if name not in ("/route", "/course", "/world")} == {count}
-    assert summary.statistics.message_count == sum(counts.values()) == 15 * count + 3
+    assert summary.statistics.message_count == sum(counts.values()) == 17 * count + 3
     assert summary.statistics.message_end_time == round(flight.record.time[-1] * 1e9)
     data = log.read_bytes()
     assert sum(indexed(data, chunk) for chunk in summary.chunk_indexes) == summary.statistics.message_count
@@ -209,7 +209,7 @@ def test_a_second_is_on_the_disk_before_the_next_ends(flight: Flight, tmp_path: 
         writer.sample(row)
         if round(50 * row.time) % 17 == 0:
             assert read_log(writer.path).record.time[-1] >= row.time - 1.0
-    writer.end(flight.outcome, 0.0)
+    writer.end(flight.outcome, flight.effort)
 
 
 def test_a_log_cut_anywhere_holds_the_flight_up_to_there(flight: Flight, log: Path, tmp_path: Path) -> None:

@@ -6,22 +6,24 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flights import OpenSky, plan_for
+from flights import plan_for
 
 from crosstrack.errors import LinkLost
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.loop import fly
 from crosstrack.flight.observer import Sample
 from crosstrack.flight.plan import Plan
 from crosstrack.follow.carrot import Carrot
-from crosstrack.protocols import Course, Map
+from crosstrack.protocols import Course, Surroundings
 from crosstrack.types import Array, Command, Outcome, RateSetpoint, Setpoint, State, Wind
 from crosstrack.vehicles.point import Point
 from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
+from crosstrack.world.world import World
 
 LEG = [[0, 0, 10], [40, 0, 10]]
 
 
-class Wall(OpenSky):
+class Wall(World):
     """A thin wall across x = 20."""
 
     def swept(self, start: Array, end: Array) -> float:
@@ -46,7 +48,7 @@ class Watcher:
         if row.time >= self.interrupt_at:
             raise KeyboardInterrupt
 
-    def end(self, outcome: Outcome, wall_time: float) -> None:
+    def end(self, outcome: Outcome, effort: Effort) -> None:
         self.outcome = outcome
 
 
@@ -91,7 +93,7 @@ def test_a_slow_mission_is_not_stuck() -> None:
 
 def test_the_bounds_are_a_fence() -> None:
     bounds = np.array([[-5.0, -5, 0], [15, 5, 20]])
-    flight = fly(plan_for(LEG, world=OpenSky(bounds=bounds)))
+    flight = fly(plan_for(LEG, world=World(bounds=bounds)))
     assert flight.outcome is Outcome.LEFT_BOUNDS
     assert 15 < flight.record.position[-1, 0] < 15.2
 
@@ -163,14 +165,29 @@ def test_a_bug_is_not_hidden_but_observers_are_told_the_end() -> None:
     assert watcher.outcome is Outcome.FAILED
 
 
+@dataclass(frozen=True)
+class Steps:
+    """How often a detour was asked; it steps in from the second time on."""
+
+    count: int = 0
+
+    @property
+    def intervening(self) -> bool:
+        return self.count > 1
+
+
 class Detour:
     """An avoider that always climbs."""
 
-    def start(self, course: Course, known: Map, state: State) -> int:
-        return 0
+    guards = False
 
-    def step(self, memory: int, command: Any, state: State, scan: Any, duration: float) -> tuple[Command, int]:
-        return Setpoint(velocity=command.velocity + np.array([0, 0, 0.5])), memory + 1
+    def start(self, course: Course, around: Surroundings, state: State) -> Steps:
+        return Steps()
+
+    def step(
+        self, memory: Steps, command: Any, state: State, around: Surroundings, duration: float
+    ) -> tuple[Command, Steps]:
+        return Setpoint(velocity=command.velocity + np.array([0, 0, 0.5])), Steps(memory.count + 1)
 
 
 def test_avoiders_change_the_command_in_their_order() -> None:
@@ -179,6 +196,7 @@ def test_avoiders_change_the_command_in_their_order() -> None:
     climbed = [flight.record.position[-1, 2] - 10 for flight in (one, two)]
     assert climbed[0] > 0.05
     assert climbed[1] == pytest.approx(2 * climbed[0], rel=0.1)
+    np.testing.assert_array_equal(two.record.interventions, [0, 0, *[3] * (len(two.record.time) - 2)])
 
 
 def test_the_same_plan_flies_the_same() -> None:

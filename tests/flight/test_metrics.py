@@ -20,7 +20,8 @@ LINE = np.array([[0.0, 0.0, 5.0], [100.0, 0.0, 5.0]])
 CONTRACT = {
     "outcome", "outcome_text", "arrived", "collided", "flight_time_s", "cross_track_rms_m", "cross_track_max_m",
     "cross_track_rms_captured_m", "cross_track_max_captured_m", "final_error_m", "final_speed_mps",
-    "min_clearance_m", "path_length_m", "flown_length_m", "max_speed_mps", "mean_speed_mps", "wall_time_s",
+    "min_clearance_m", "path_length_m", "flown_length_m", "max_speed_mps", "mean_speed_mps", "min_separation_m",
+    "replans", "safety_interventions", "planning_time_s", "decision_time_s", "decision_time_p99_s", "wall_time_s",
 }  # fmt: skip
 
 
@@ -141,6 +142,7 @@ def test_what_is_not_there_is_null(fly_along: Fly) -> None:
     assert absent == {
         "min_clearance_m", "control_effort_radps", "max_airspeed_mps", "time_ratio", "captured_time_s",
         "cross_track_rms_captured_m", "cross_track_max_captured_m", "tracking_rms_m", "tracking_max_m",
+        "min_separation_m",
     }  # fmt: skip
 
 

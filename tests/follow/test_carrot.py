@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flights import OpenSky, flown, plan_for
+from flights import flown, plan_for
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,6 +13,7 @@ from crosstrack.follow.carrot import Carrot
 from crosstrack.follow.guidance import turn
 from crosstrack.types import Outcome, State, Wind
 from crosstrack.vehicles.point import Point
+from crosstrack.world.world import World
 
 LEG = [[0, 0, 10], [40, 0, 10]]
 
@@ -210,6 +211,6 @@ def test_a_wind_above_the_speed_ends_clearly(wind: tuple[float, float, float]) -
 
 def test_a_wind_above_what_the_tilt_holds_ends_clearly() -> None:
     bounds = np.array([[-60.0, -60, 0], [90, 90, 60]])
-    for world in (OpenSky(), OpenSky(bounds=bounds)):
+    for world in (World(), World(bounds=bounds)):
         report = flown(LEG, wind=Wind((-60.0, 0.0, 0.0)), world=world)
         assert report.outcome in (Outcome.STUCK, Outcome.LEFT_BOUNDS)

@@ -27,7 +27,7 @@ def told(text: str) -> list[str]:
         ("speed: .inf", "speed: must be a finite number, found inf"),
         ("speed:", "speed: must be a number, found nothing"),
         ("speed: [5]", "speed: must be a number, found a list of 1"),
-        ("sped: 5", "sped: unknown; did you mean 'speed'? known: name, start, route, speed"),
+        ("sped: 5", "sped: unknown; did you mean 'speed'? known: name, start, route, goal"),
         ("tracker: {kind: carrot, lookahead: -1}", "tracker.lookahead: must be greater than 0, found -1"),
         ("tracker: {kind: carrot, lookahed: 1}", "tracker.lookahed: unknown; did you mean 'lookahead'?"),
         ("tracker: {lookahead: 1}", "tracker: must be {kind: NAME, ...}; known kinds: carrot"),
@@ -35,7 +35,7 @@ def told(text: str) -> list[str]:
         ("tracker: {kind: carot}", "tracker.kind: unknown tracker 'carot'; did you mean 'carrot'?"),
         ("tracker: {kind: 3}", "tracker.kind: unknown tracker 3; known: carrot"),
         ("vehicle: {kind: quadrotor, airframe: jumbo}", "vehicle.airframe: must be 'generic', 'crazyflie' or 'racer'"),
-        ("avoid: [{kind: potential}]", "avoid[0].kind: unknown avoider 'potential'"),
+        ("avoid: [{kind: potentia}]", "avoid[0].kind: unknown avoider 'potentia'; did you mean 'potential'?"),
         ("avoid: {kind: potential}", "avoid: must be a list, found a mapping"),
         ("world: {shapes: [{box: {min: [0, 0, 0], max: [1, 0, 1]}}]}", "world.shapes[0].box: min must be below max"),
         ("world: {shapes: [{cube: {}}]}", "world.shapes[0].cube: unknown; known: box, cylinder, sphere, prism"),
@@ -86,7 +86,7 @@ def test_one_wrong_line_is_one_problem_with_its_line(line: str, message: str) ->
         ("[[20, 0, -1]]", ["route[0]: (20, 0, -1) lies 1 m below the ground"]),
         ("missing.plan", ["route: missing.plan: no such file"]),
         ("5", ["route: must be a list, found 5"]),
-        ("", ["route: must be a list, found nothing"]),
+        ("", ["route: either a route or a goal is needed; neither is given"]),
     ],
 )  # fmt: skip
 def test_bad_routes(route: str, messages: list[str]) -> None:
@@ -167,7 +167,7 @@ def test_a_file_that_is_no_mapping(text: str) -> None:
 
 
 def test_what_is_required_is_said() -> None:
-    assert told("speed: 3") == ["start: is required", "route: is required"]
+    assert told("speed: 3") == ["start: is required", "route: either a route or a goal is needed; neither is given"]
     assert told("start: {}\nroute: [[1, 2]]") == ["line 1: start.position: is required"]
 
 

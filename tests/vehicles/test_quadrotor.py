@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flights import OpenSky, flown, plan_for
+from flights import flown, plan_for
 from scipy.spatial.transform import Rotation
 
 from crosstrack.errors import InputError
@@ -24,6 +24,7 @@ from crosstrack.types import (
     Wind,
 )
 from crosstrack.vehicles.quadrotor import Quadrotor, QuadrotorSession
+from crosstrack.world.world import World
 
 HERE = [[0, 0, 10], [50, 0, 10]]
 
@@ -165,7 +166,7 @@ def test_a_fall_is_a_crash() -> None:
 
 
 def test_the_ground_may_be_anywhere() -> None:
-    flight = fly(plan_for([[0, 0, 52], [5, 0, 52]], world=OpenSky(ground=50.0), speed=2.0))
+    flight = fly(plan_for([[0, 0, 52], [5, 0, 52]], world=World(ground=50.0), speed=2.0))
     assert flight.outcome is Outcome.ARRIVED
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from crosstrack.campaign.task import Task, state, task
 from crosstrack.flight import loop
 from crosstrack.flight.flight import Flight
+from crosstrack.flight.metrics import OF_THE_MACHINE
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.summary import summary
 from crosstrack.mission.load import from_document
@@ -58,13 +59,14 @@ def fly(payload: Mapping[str, Any]) -> dict[str, Any]:
         payload: `document` of a mission, `files` by name in base64, `labels`; and `sources`, for its key alone
 
     Returns:
-        `labels`; `summary`, see `flight.summary`, without the time of the machine; `trace` of at most 400 samples,
+        `labels`; `summary`, see `flight.summary`, without the times of the machine; `trace` of at most 400 samples,
         evenly chosen: `time` (s), `position` (m), `cross_track` (m), `tracking` (m, None without a trajectory),
         `speed` (m/s); `route`, at most 1000 points (m).
     """
     flight = loop.fly(plan_of(payload["document"], tuple(sorted(payload["files"].items()))))
     numbers = summary(flight)
-    del numbers["wall_time_s"]  # the rest is the same on every machine
+    for name in OF_THE_MACHINE:
+        del numbers[name]
     points = flight.plan.route.points
     return {
         "labels": payload["labels"],

@@ -7,11 +7,9 @@ from statistics import fmean
 from typing import Any
 
 from crosstrack.errors import InputError, Problem
-from crosstrack.flight.metrics import Metrics
+from crosstrack.flight.metrics import OF_THE_MACHINE, Metrics
 from crosstrack.mission.parts import suggest
 
-EXCLUDED = ("wall_time_s",)
-"""of the machine, not of the flight"""
 TERM = re.compile(r"\s*(?:([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*\*)?\s*([A-Za-z]\w*)\s*")
 """a number and a star, or neither, and a name"""
 
@@ -74,7 +72,7 @@ def parse_cost(text: str) -> tuple[Term, ...]:
 
 def troubles(weight: float, metric: str) -> list[str]:
     """Return what is wrong with a term."""
-    known = [field.name for field in fields(Metrics) if field.name not in EXCLUDED]
+    known = [field.name for field in fields(Metrics) if field.name not in OF_THE_MACHINE]
     found = [] if metric in known else [f"there is no metric {metric!r}; {suggest(metric, known)}"]
     return found + ([] if 0 < abs(weight) < 1e9 else [f"the weight of {metric} must be between 0 and 1e9 in size"])
 

@@ -19,6 +19,8 @@ app = App(
     help_epilogue="Exit codes: 0 done (arrived), 2 bad input, 3 not arrived, 4 collided, 5 link lost, 6 flights of a "
     "comparison lost to errors, 130 interrupted.",
 )
+bench = App(name="bench", help="Measure on worlds made from seeds.")
+app.command(bench)
 Settings = Annotated[list[str], Parameter(name="--set", negative=())]
 Trajectory = Annotated[Path | None, Parameter(name="--from")]
 Switch = Annotated[bool, Parameter(negative=())]
@@ -158,6 +160,38 @@ def tune(
     return tuning.run(
         *(mission, tracker, parameter or [], cost, wind or [], seeds, budget, runner, out, settings or [], json)
     )
+
+
+@bench.command
+def avoid(
+    *,
+    maps: int = 1,
+    families: Annotated[list[str] | None, Parameter(negative=())] = None,
+    planners: Annotated[list[str] | None, Parameter(negative=())] = None,
+    seed: int = 1,
+    workers: int | None = None,
+    cluster: str | None = None,
+    out: Path | None = None,
+    json: Switch = False,
+) -> int:
+    """Fly to goals through forests, discs, mazes, traps and gaps, in several ways; print how often each gets there.
+
+    Results are kept as they come: after an interruption the same command flies what is missing.
+
+    Args:
+        maps: how many of each family
+        families: such as forest,maze or forest-0.4; by default all
+        planners: ways to fly, such as planned,unknown,fallback,field; by default all of these
+        seed: of the first map of each family
+        workers: how many flights at once; by default one for every core
+        cluster: the address of a Ray cluster to fly on instead, such as 10.0.0.1:6379
+        out: folder for results.jsonl, results.csv, benchmark.html and the failures; by default runs/bench/avoid
+        json: print the scores on standard output, and nothing else there
+    """
+    from crosstrack.cli import benching, comparing
+
+    runner = comparing.runner_for(workers, cluster)
+    return benching.avoid(families or [], planners or [], maps, seed, runner, out, json)
 
 
 @app.command

@@ -3,10 +3,12 @@
 import json
 import shlex
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from crosstrack import mission as missions
 from crosstrack.cli import codes
@@ -16,9 +18,10 @@ from crosstrack.errors import InputError, Problem
 from crosstrack.flight import loop
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.log import LogWriter
+from crosstrack.flight.observer import Observer
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.recording import read_log
-from crosstrack.flight.summary import summary
+from crosstrack.flight.summary import summary, summary_together
 from crosstrack.mission.certified import certified
 from crosstrack.mission.certified import remarks as breaches
 from crosstrack.mission.check import remarks
@@ -41,6 +44,10 @@ SHOWN = {
     "tracking_max_m": "largest tracking error, m",
     "final_error_m": "distance to the last waypoint, m",
     "min_clearance_m": "least clearance, m",
+    "min_separation_m": "least separation, m",
+    "planning_time_s": "time to plan, s",
+    "replans": "plans made in flight",
+    "safety_interventions": "times that safety stepped in",
     "max_speed_mps": "top speed, m/s",
 }
 
@@ -49,17 +56,27 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
     """Fly a mission and write what it leaves behind."""
     mission = missions.load(file, settings)
     say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
-    plan = mission.build()
-    for remark in notes(mission, plan):
+    plans = mission.plans()
+    for remark in dict.fromkeys(
+        note for member, plan in zip(mission.members, plans, strict=True) for note in notes(member, plan)
+    ):
         say(f"note: {remark}")
-    folder = emptied(out or Path("runs") / plan.name)
-    loop.warm_up(plan)
+    folder = emptied(out or Path("runs") / mission.name)
+    loop.warm_up(plans[0])
     with named(folder):
         with Interrupt() as interrupt:
-            flight = loop.fly(plan, [Progress(plan), LogWriter(folder / LOG), interrupt])
-        write(flight, folder, png)
-    tell(flight, folder, as_json)
-    return CODES.get(flight.outcome, codes.NOT_ARRIVED)
+            logs = [LogWriter(folder / log) for log in log_names(mission)]
+            watching: list[list[Observer]] = [[log] for log in logs]
+            watching[0] += [Progress(plans[0]), interrupt]
+            flights = loop.fly_together(plans, watching)
+        write(flights, folder, png)
+    tell(flights, folder, as_json)
+    return max(CODES.get(flight.outcome, codes.NOT_ARRIVED) for flight in flights)
+
+
+def log_names(mission: missions.Mission) -> list[str]:
+    """Return the names of the logs, one for each vehicle."""
+    return [f"{member.name}.mcap" for member in mission.members] if mission.vehicles else [LOG]
 
 
 def compiled_before(module: str = "") -> bool:
@@ -114,28 +131,42 @@ def named(folder: Path) -> Iterator[None]:
         raise
 
 
-def write(flight: Flight, folder: Path, png: bool) -> None:
-    """Write the summary, the report and, where asked, the pictures of a flight."""
+def write(flights: Sequence[Flight], folder: Path, png: bool) -> None:
+    """Write the summary, the report and, where asked, the pictures of one flight or of several at once."""
     from crosstrack.show.report import report
 
-    (folder / SUMMARY).write_text(json.dumps(summary(flight), indent=2) + "\n", encoding="utf-8")
-    report([flight], folder / REPORT)
+    (folder / SUMMARY).write_text(json.dumps(numbers_of(flights), indent=2) + "\n", encoding="utf-8")
+    report(flights, folder / REPORT)
     if png:
         from crosstrack.show.pictures import pictures
 
-        pictures(flight, folder)
+        for flight in flights:
+            pictures(flight, folder if len(flights) == 1 else made(folder / flight.plan.name))
 
 
-def tell(flight: Flight, folder: Path, as_json: bool) -> None:
-    """Print the summary of a flight."""
-    numbers = summary(flight)
+def numbers_of(flights: Sequence[Flight]) -> dict[str, Any]:
+    """Return the summary of one flight, or of several at once."""
+    return summary(flights[0]) if len(flights) == 1 else summary_together(flights)
+
+
+def tell(flights: Sequence[Flight], folder: Path, as_json: bool) -> None:
+    """Print the summary of one flight, or of several at once."""
+    numbers = numbers_of(flights)
     if as_json:
         print(json.dumps(numbers, indent=2))
         return
-    print(flight.outcome.value)
+    if len(flights) > 1:
+        arrived = sum(flight.outcome is Outcome.ARRIVED for flight in flights)
+        print(f"{arrived} of {len(flights)} arrived.")
+        for outcome, count in Counter(flight.outcome for flight in flights).items():
+            if outcome is not Outcome.ARRIVED:
+                print(f"  {count}: {outcome.value}")
+    else:
+        print(flights[0].outcome.value)
     for name, label in SHOWN.items():
-        if numbers[name] is not None:
-            print(f"  {label:<32}{numbers[name]:10.3f}")
+        if numbers.get(name) is not None:
+            value = numbers[name]
+            print(f"  {label:<32}{value:10.3f}" if isinstance(value, float) else f"  {label:<32}{value:10d}")
     print(f"Report: {folder / REPORT}")
 
 
@@ -179,11 +210,18 @@ def replay(log: Path, out: Path | None, as_json: bool, png: bool) -> int:
     outcome = recording.outcome
     if outcome is None:
         say("note: the log ends before the flight did")
-    flight = Flight(plan, outcome or Outcome.INTERRUPTED, recording.record, recording.wall_time or 0.0)
+    flight = Flight(
+        plan,
+        outcome or Outcome.INTERRUPTED,
+        recording.record,
+        recording.effort,
+        recording.replans,
+        recording.seen,
+    )
     folder = made(out or log.parent)
     with named(folder):
-        write(flight, folder, png)
-    tell(flight, folder, as_json)
+        write([flight], folder, png)
+    tell([flight], folder, as_json)
     return 0
 
 

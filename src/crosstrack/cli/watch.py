@@ -8,6 +8,7 @@ from types import FrameType
 from typing import Any
 
 from crosstrack.cli.codes import INTERRUPTED
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.observer import Sample
 from crosstrack.flight.plan import Plan
 from crosstrack.types import Outcome
@@ -52,11 +53,11 @@ class Progress:
         else:
             say(f"{row.time:.1f} s flown, {row.progress:.1f} of {self.length:.1f} m")
 
-    def end(self, outcome: Outcome, wall_time: float) -> None:
+    def end(self, outcome: Outcome, effort: Effort) -> None:
         """Take the bar down and say how it ended."""
         if self.bar:
             self.bar.stop()
-        say(f"{outcome.value} ({wall_time:.1f} s to compute)")
+        say(f"{outcome.value} ({effort.flying:.1f} s to compute)")
 
 
 def _bar() -> Any:
@@ -107,5 +108,5 @@ class Interrupt:
         if self.asked:
             raise KeyboardInterrupt
 
-    def end(self, outcome: Outcome, wall_time: float) -> None:
+    def end(self, outcome: Outcome, effort: Effort) -> None:
         """Nothing to do."""

@@ -1,12 +1,30 @@
 """What a flight leaves behind."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
+from crosstrack.flight.effort import NO_EFFORT, Effort
 from crosstrack.flight.metrics import Metrics, cross_track, measure, tracking
+from crosstrack.flight.observer import NOTHING, Sample, collect
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
+
+GRAIN = 0.1
+"""m, edge of the cubes of which one point seen is kept each"""
+
+
+@dataclass(frozen=True)
+class Replan:
+    """A course that was planned in flight."""
+
+    time: float
+    """s"""
+    points: Array
+    """(n, 3) m, along it"""
 
 
 @dataclass(frozen=True)
@@ -16,8 +34,12 @@ class Flight:
     plan: Plan
     outcome: Outcome
     record: Record
-    wall_time: float
-    """s, of the machine, spent flying"""
+    effort: Effort = NO_EFFORT
+    """what it took of the machine"""
+    replans: tuple[Replan, ...] = ()
+    """the courses planned in flight, in order of time"""
+    seen: Array = field(default_factory=lambda: NOTHING)
+    """(n, 3) m, what the sensors saw: one point of every 0.1 m"""
 
     @cached_property
     def cross_track(self) -> Array:
@@ -32,4 +54,17 @@ class Flight:
     @cached_property
     def metrics(self) -> Metrics:
         """How well it went, in numbers."""
-        return measure(self.plan, self.outcome, self.record, self.wall_time)
+        return measure(self.plan, self.outcome, self.record, self.effort, len(self.replans))
+
+
+def flight_of(plan: Plan, outcome: Outcome, rows: Sequence[Sample], effort: Effort) -> Flight:
+    """Return the flight of at least one sample."""
+    replans = [Replan(row.time, row.course) for row in rows if row.course is not None]
+    return Flight(plan, outcome, collect(rows), effort, tuple(replans), thinned([row.seen for row in rows]))
+
+
+def thinned(clouds: Sequence[Array]) -> Array:
+    """Return one point of every cube of `GRAIN` of clouds of points (n, 3) m, the first."""
+    points = np.concatenate([NOTHING, *clouds])
+    _, first = np.unique(np.floor(points / GRAIN).astype(np.int64), axis=0, return_index=True)
+    return points[np.sort(first)]

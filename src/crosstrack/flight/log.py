@@ -9,14 +9,15 @@ import numpy as np
 from mcap.records import Message
 from numpy.typing import NDArray
 
-from crosstrack.flight import still
+from crosstrack.flight import events, still
 from crosstrack.flight.chunks import ChunkWriter, Index, headed, packed
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.messages import definition
 from crosstrack.flight.observer import Sample, collect
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.scene import scene
 from crosstrack.flight.topics import TOPICS, columns, nanoseconds
-from crosstrack.types import Outcome
+from crosstrack.types import Array, Outcome
 
 CHUNK_DURATION = 1.0
 """s of flight time after which the samples are handed to the system: what a killed process loses at most"""
@@ -35,6 +36,7 @@ class LogWriter:
         self._rows: list[Sample] = []
         self._written = -math.inf
         self._encoder: Encoder | None = None
+        self._channels: dict[str, int] = {}
 
     def begin(self, plan: Plan) -> None:
         """Open the file and write what is known before the flight.
@@ -64,11 +66,11 @@ class LogWriter:
             self._flush()
             self._written = row.time
 
-    def end(self, outcome: Outcome, wall_time: float) -> None:
+    def end(self, outcome: Outcome, effort: Effort) -> None:
         """Write what is left, the outcome and the index."""
         with self._file.whole():
             self._flush()
-            self._file.metadata("outcome", {"outcome": outcome.name.lower(), "wall_time": repr(wall_time)})
+            self._file.metadata("outcome", {"outcome": outcome.name.lower(), **effort.texts()})
             self._file.close()
 
     def _flush(self) -> None:
@@ -77,14 +79,31 @@ class LogWriter:
         if self._encoder is None:
             self._encoder = Encoder(self._file, len(self._rows[0].rotor_speeds))
         self._file.chunk(*self._encoder.encode(self._rows))
+        for row in self._rows:
+            if len(row.seen):
+                self._tell(events.SEEN, row.time, row.seen)
+            if row.course is not None:
+                self._tell(events.REPLANNED, row.time, row.course)
         self._rows = []
+
+    def _tell(self, topic: str, time: float, points: Array) -> None:
+        """Write what happened at a time (s)."""
+        if topic not in self._channels:
+            kind = events.KINDS[topic]
+            self._channels[topic] = self._file.channel(topic, kind, definition(kind))
+        stamp = int(nanoseconds(np.array([time]))[0])
+        write_at(self._file, self._channels[topic], stamp, events.encoded(topic, time, points))
 
 
 def write_once(file: ChunkWriter, topic: str, kind: str, data: bytes) -> None:
     """Write a topic of one message, at time zero."""
-    channel = file.channel(topic, kind, definition(kind))
-    message = Message(channel_id=channel, log_time=0, data=data, publish_time=0, sequence=0)
-    file.chunk(packed(message), {channel: np.zeros((1, 2), dtype=np.uint64)})
+    write_at(file, file.channel(topic, kind, definition(kind)), 0, data)
+
+
+def write_at(file: ChunkWriter, channel: int, stamp: int, data: bytes) -> None:
+    """Write one message at a time (ns), as a chunk of its own."""
+    message = Message(channel_id=channel, log_time=stamp, data=data, publish_time=stamp, sequence=0)
+    file.chunk(packed(message), {channel: np.array([[stamp, 0]], dtype=np.uint64)})
 
 
 class Encoder:

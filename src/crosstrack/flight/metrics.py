@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
@@ -66,11 +67,27 @@ class Metrics:
     """degrees between body z and world z"""
     control_effort_radps: float | None
     """rad/s, root mean square of each rotor's speed about its own mean; None without rotors"""
+    min_separation_m: float | None
+    """m, least swept distance to the centre of another vehicle; None alone"""
+    replans: int
+    """courses planned in flight"""
+    safety_interventions: int
+    """times that an avoider which guards began to change the command"""
+    planning_time_s: float
+    """s, of the machine, for all plans"""
+    decision_time_s: float
+    """s, of the machine, median from what the sensors see to the command, plans left out"""
+    decision_time_p99_s: float
+    """s, of the machine, 99th percentile of the same"""
     wall_time_s: float
     """s, of the machine, spent flying"""
 
 
-def measure(plan: Plan, outcome: Outcome, record: Record, wall_time: float) -> Metrics:
+OF_THE_MACHINE = ("planning_time_s", "decision_time_s", "decision_time_p99_s", "wall_time_s")
+"""metrics that differ from run to run"""
+
+
+def measure(plan: Plan, outcome: Outcome, record: Record, effort: Effort, replans: int = 0) -> Metrics:
     """Measure a flight over the samples whose state is finite."""
     time, speed = record.time, np.linalg.norm(record.velocity, axis=1)
     error = cross_track(plan, record)
@@ -93,7 +110,13 @@ def measure(plan: Plan, outcome: Outcome, record: Record, wall_time: float) -> M
         mean_speed_mps=mean(time[known], speed[known]),
         max_tilt_deg=float(np.degrees(tilt(record.attitude[known]).max())),
         control_effort_radps=_effort(record),
-        wall_time_s=wall_time,
+        min_separation_m=finite_or_none(float(record.separation.min())),
+        replans=replans,
+        safety_interventions=interventions(plan, record),
+        planning_time_s=effort.planning,
+        decision_time_s=effort.decision,
+        decision_time_p99_s=effort.decision_worst,
+        wall_time_s=effort.flying,
         **_motion(record, known),
     )
 
@@ -121,6 +144,13 @@ def tracking(plan: Plan, record: Record) -> Array:
     if trajectory is None:
         return np.full(len(record.time), np.nan)
     return np.asarray(np.linalg.norm(record.position - trajectory(record.time - record.time[0]), axis=1))
+
+
+def interventions(plan: Plan, record: Record) -> int:
+    """Return how often an avoider that guards began to change the command."""
+    guards = sum(1 << k for k, avoider in enumerate(plan.avoiders) if avoider.guards)
+    stepped_in = (record.interventions.astype(int) & guards) > 0
+    return int((np.diff(stepped_in, prepend=False) & stepped_in).sum())
 
 
 def mean(time: Array, values: Array) -> float:

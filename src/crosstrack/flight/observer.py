@@ -1,14 +1,18 @@
 """Who watches a flight, and what they are shown."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Protocol
 
 import numpy as np
 
+from crosstrack.flight.effort import Effort
 from crosstrack.flight.plan import Plan
 from crosstrack.flight.record import Record
 from crosstrack.types import Array, Outcome
+
+NOTHING = np.empty((0, 3))
+"""no points"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +51,14 @@ class Sample:
     """(3,) m/s at the vehicle"""
     clearance: float
     """m, least swept distance to an obstacle since the row before; inf without obstacles"""
+    separation: float
+    """m, least distance to the centre of another vehicle since the row before; inf alone"""
+    interventions: float
+    """sum of 2^k over the avoiders k of the chain that changed the command flown until this row"""
+    seen: Array = field(default_factory=lambda: NOTHING)
+    """(m, 3) m, world, where rays of its sensors ended since the row before, as the vehicle takes it"""
+    course: Array | None = None
+    """(m, 3) m, the new course, where it was planned again since the row before"""
 
 
 class Observer(Protocol):
@@ -58,10 +70,10 @@ class Observer(Protocol):
     def sample(self, row: Sample) -> None:
         """Take note of one row, in order of time."""
 
-    def end(self, outcome: Outcome, wall_time: float) -> None:
-        """Take note of how it ended and how long it took the machine (s)."""
+    def end(self, outcome: Outcome, effort: Effort) -> None:
+        """Take note of how it ended and what it took of the machine."""
 
 
 def collect(rows: Sequence[Sample]) -> Record:
     """Stack samples into a record; there must be at least one."""
-    return Record(*(np.array([getattr(row, field.name) for row in rows]) for field in fields(Record)))
+    return Record(*(np.array([getattr(row, column.name) for row in rows]) for column in fields(Record)))

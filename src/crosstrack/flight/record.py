@@ -41,3 +41,7 @@ class Record:
     """(n, 3) m/s at the vehicle"""
     clearance: Array
     """(n,) m, least swept distance to an obstacle since the row before; inf without obstacles"""
+    separation: Array
+    """(n,) m, least distance to the centre of another vehicle since the row before; inf alone"""
+    interventions: Array
+    """(n,) sum of 2^k over the avoiders k of the chain that changed the command flown until this row"""

@@ -18,7 +18,12 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
 from crosstrack.errors import InputError, Problem
+from crosstrack.flight import events
 from crosstrack.flight.cdr import constant
+from crosstrack.flight.effort import NO_EFFORT, Effort
+from crosstrack.flight.effort import read as read_effort
+from crosstrack.flight.flight import Replan, thinned
+from crosstrack.flight.observer import NOTHING
 from crosstrack.flight.record import Record
 from crosstrack.flight.topics import BODY, TOPICS, Topic, header
 from crosstrack.types import Array, Outcome
@@ -29,6 +34,7 @@ LIMIT = 1 << 31
 """bytes, the most that is unpacked of one file: some hours of flight"""
 MOST_ROTORS = 64
 FRAME = struct.Struct("<BQ")
+NAMES = tuple(topic.name for topic in TOPICS)
 
 
 @dataclass(frozen=True)
@@ -43,8 +49,12 @@ class Recording:
     """the samples, as many as were written"""
     outcome: Outcome | None
     """None where the log ends before the flight did"""
-    wall_time: float | None
-    """s, None where the log ends before the flight did"""
+    effort: Effort
+    """nothing where the log ends before the flight did"""
+    replans: tuple[Replan, ...] = ()
+    """the courses planned in flight"""
+    seen: Array = field(default_factory=lambda: NOTHING)
+    """(n, 3) m, what the sensors saw: one point of every 0.1 m"""
 
 
 @dataclass
@@ -54,7 +64,7 @@ class Contents:
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     files: dict[str, bytes] = field(default_factory=dict)
     topics: dict[int, str] = field(default_factory=dict)
-    messages: dict[str, list[bytes]] = field(default_factory=lambda: {topic.name: [] for topic in TOPICS})
+    messages: dict[str, list[bytes]] = field(default_factory=lambda: {name: [] for name in (*NAMES, *events.KINDS)})
     unpacked: int = 0
 
     def take(self, record: McapRecord) -> None:
@@ -149,7 +159,9 @@ def recording(contents: Contents) -> Recording:
         files=contents.files,
         record=rebuild(contents.messages),
         outcome=outcome_named(ended["outcome"]) if ended else None,
-        wall_time=float(ended["wall_time"]) if ended else None,
+        effort=read_effort(ended) if ended else NO_EFFORT,
+        replans=tuple(map(events.replan, contents.messages[events.REPLANNED])),
+        seen=thinned([events.decoded(events.SEEN, data)[1] for data in contents.messages[events.SEEN]]),
     )
 
 

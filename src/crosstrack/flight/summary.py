@@ -1,5 +1,6 @@
 """A flight in a few lines of JSON."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -20,3 +21,19 @@ def summary(flight: Flight) -> dict[str, Any]:
         "arrived": flight.outcome is Outcome.ARRIVED,
         "collided": flight.outcome is Outcome.COLLIDED,
     } | metrics
+
+
+def summary_together(flights: Sequence[Flight]) -> dict[str, Any]:
+    """Return the outcomes and the metrics of several vehicles that flew at once, as JSON has them.
+
+    Each vehicle has an entry with its name; what stands above them is true of all, the least separation of any two.
+    """
+    separations = [flight.metrics.min_separation_m for flight in flights]
+    known = [separation for separation in separations if separation is not None]
+    return {
+        "arrived": all(flight.outcome is Outcome.ARRIVED for flight in flights),
+        "collided": any(flight.outcome is Outcome.COLLIDED for flight in flights),
+        "min_separation_m": min(known, default=None),
+        "flight_time_s": max(flight.metrics.flight_time_s for flight in flights),
+        "vehicles": [{"name": flight.plan.name} | summary(flight) for flight in flights],
+    }

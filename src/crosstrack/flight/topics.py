@@ -128,6 +128,8 @@ TOPICS = (
     Topic("/tracker/progress", "std_msgs/Float64", number("progress"), ("progress",)),
     Topic("/wind", "geometry_msgs/Vector3Stamped", vector("wind"), ("wind",)),
     Topic("/clearance", "std_msgs/Float64", number("clearance"), ("clearance",)),
+    Topic("/separation", "std_msgs/Float64", number("separation"), ("separation",)),
+    Topic("/avoiders/interventions", "std_msgs/Float64", number("interventions"), ("interventions",)),
 )
 """in the order in which they are written for every sample"""
 

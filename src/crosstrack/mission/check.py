@@ -15,10 +15,13 @@ from crosstrack.mission.text import Document, Place, show
 from crosstrack.mission.values import sound
 from crosstrack.types import Array
 from crosstrack.world.files import read
+from crosstrack.world.world import World
 
 if TYPE_CHECKING:
     from crosstrack.mission.mission import Mission
 
+OF_A_MEMBER = ("start", "route", "goal")
+"""fields that each of several vehicles may have of its own"""
 TURN = 2 * math.pi
 """rad"""
 
@@ -30,12 +33,43 @@ def faults(mission: "Mission", broken: Collection[str] = ()) -> Faults:
 
     A check is left out where one of the fields that it reads is broken, or was found wrong before.
     """
+    if mission.vehicles:
+        yield from fleet_faults(mission, broken)
+        return
     ruined = set(broken)
     for needs, check in CHECKS:
         if ruined.isdisjoint(needs):
             found = list(check(mission))
             ruined |= {str(place[0]) for place, _ in found}
             yield from found
+
+
+def fleet_faults(mission: "Mission", broken: Collection[str]) -> Faults:
+    """Yield what does not fit in a mission of several vehicles: of what they share, once."""
+    names = [member.name for member in mission.vehicles]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            yield ("vehicles", index, "name"), f"{name!r} is the name of another vehicle too"
+    told: set[tuple[Place, str]] = set()
+    for index, member in enumerate(mission.members):
+        for place, message in faults(member, broken):
+            own = place[0] in OF_A_MEMBER and getattr(mission.vehicles[index], str(place[0])) is not None
+            fault: tuple[Place, str] = (("vehicles", index, *place) if own else place, message)
+            if fault not in told:
+                told.add(fault)
+                yield fault
+    yield from starts_are_apart(mission)
+
+
+def starts_are_apart(mission: "Mission") -> Faults:
+    """Find vehicles that would start inside one another."""
+    places = np.array([member.launch for member in mission.members])
+    for index in range(1, len(places)):
+        near = np.linalg.norm(places[:index] - places[index], axis=1)
+        other = int(near.argmin())
+        if near[other] < 2 * mission.vehicle.radius:
+            message = f"is {near[other]:.3g} m from that of {mission.vehicles[other].name!r}"
+            yield ("vehicles", index, "start"), f"{message}; at least two radii, {2 * mission.vehicle.radius:g} m"
 
 
 def assure(mission: "Mission") -> None:
@@ -59,9 +93,21 @@ def speed_is_allowed(mission: "Mission") -> Faults:
         yield ("speed",), f"{mission.speed:g} m/s is above limits.speed, {mission.limits.speed:g} m/s"
 
 
+def leads_one_way(mission: "Mission") -> Faults:
+    """Ask for a route or a goal, and not both."""
+    if (mission.route is None) == (mission.goal is None):
+        found = "both are given" if mission.goal is not None else "neither is given"
+        yield ("route",), f"either a route or a goal is needed; {found}"
+    elif mission.goal is not None and mission.planner is not None and not mission.planner.replans:
+        kind = kind_of("planner", mission.planner)
+        yield ("planner",), f"{kind} finds no way to a goal: use planner: {{kind: auto}}, or give a route"
+    elif mission.goal is not None and mission.loop:
+        yield ("loop",), "leads back along a route; with a goal there is none"
+
+
 def points_are_alike(mission: "Mission") -> Faults:
     """Find points of another dimension than the first."""
-    if isinstance(mission.route, str):
+    if mission.route is None or isinstance(mission.route, str):
         return
     first = len(mission.route[0])
     for index, point in enumerate(mission.route):
@@ -92,6 +138,23 @@ def world_is_built(mission: "Mission") -> Faults:
                 replace(alone, **{name: getattr(world, name)}).build(mission.files)
             except InputError as error:
                 yield from ((("world", name), f"{error.source}: {problem}") for problem in error.problems)
+
+
+def sees_what_it_must(mission: "Mission") -> Faults:
+    """Ask for a sensor where nothing is told."""
+    if mission.map == "unknown" and not mission.sensors:
+        yield ("map",), "is unknown, and nothing sees it: add sensors, such as sensors: [{kind: lidar}]"
+
+
+def avoiders_can_act(mission: "Mission") -> Faults:
+    """Ask for a tracker that commands motions where an avoider bends them."""
+    tracker = mission.tracker
+    assert tracker is not None  # it was given its default
+    for index, avoider in enumerate(mission.avoid):
+        if not avoider.guards and "attitude" in tracker.needs:
+            bends, flies = kind_of("avoider", avoider), kind_of("tracker", tracker)
+            message = f"{bends} changes velocities, and the tracker {flies} commands attitudes or rates"
+            yield ("avoid", index), f"{message}: use a follower, or feed_forward"
 
 
 def planner_fits(mission: "Mission") -> Faults:
@@ -141,20 +204,21 @@ def start_is_sound(mission: "Mission") -> Faults:
         where = f"{-above:g} m below" if above < 0.0 else "on"
         yield place, f"is {where} the ground: a takeoff climbs to it, so it must be above"
     for point in {tuple(start.position), tuple(mission.launch)}:
-        yield from ((place, message) for message in _point_faults(mission, np.array([point]))[0])
+        found = _point_faults(mission, np.array([point]), mission.obstacles)[0]
+        yield from ((place, message) for message in found)
 
 
 def route_is_clear(mission: "Mission") -> Faults:
     """Check every point of the route against ground, bounds and obstacles."""
-    for index, messages in enumerate(_point_faults(mission, mission.waypoints)):
-        place: Place = ("route",) if mission.survey else ("route", index)
+    for index, messages in enumerate(_point_faults(mission, mission.waypoints, mission.told)):
+        place: Place = ("goal",) if mission.goal else ("route",) if mission.survey else ("route", index)
         label = f"point {index} of {mission.route} " if mission.survey else ""
         yield from ((place, label + message) for message in messages)
 
 
-def _point_faults(mission: "Mission", points: Array) -> list[list[str]]:
-    """Return what is wrong with each of some points (n, 3), at most 20 points' worth."""
-    world, radius = mission.obstacles, mission.vehicle.radius
+def _point_faults(mission: "Mission", points: Array, world: World) -> list[list[str]]:
+    """Return what is wrong with each of some points (n, 3) in a world, at most 20 points' worth."""
+    radius = mission.vehicle.radius
     clearance = world.distance(points)
     low, high = world.bounds if world.bounds is not None else (np.full(3, -np.inf), np.full(3, np.inf))
     outside = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
@@ -183,17 +247,20 @@ def _write(point: Array) -> str:
 
 CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
     (frozenset({"speed", "limits"}), speed_is_allowed),
+    (frozenset({"route", "goal", "planner", "loop", "vehicles"}), leads_one_way),
     (frozenset({"route"}), points_are_alike),
     (frozenset({"route", "origin"}), route_is_read),
     (frozenset({"world", "frame"}), world_is_built),
     (frozenset({"planner", "start"}), planner_fits),
+    (frozenset({"map", "sensors"}), sees_what_it_must),
+    (frozenset({"avoid", "tracker", "planner"}), avoiders_can_act),
     (
         frozenset({"planner", "tracker", "vehicle", "start", "frame", "world", "limits", "air", "noise"}),
         tracker_has_what_it_needs,
     ),
-    (frozenset({"start", "route", "origin", "frame", "world", "loop"}), route_leads_somewhere),
+    (frozenset({"start", "route", "goal", "origin", "frame", "world", "loop", "vehicles"}), route_leads_somewhere),
     (frozenset({"start", "frame", "world", "vehicle"}), start_is_sound),
-    (frozenset({"start", "route", "origin", "frame", "world", "vehicle"}), route_is_clear),
+    (frozenset({"start", "route", "goal", "map", "origin", "frame", "world", "vehicle", "vehicles"}), route_is_clear),
 )
 
 
@@ -206,7 +273,7 @@ def remarks(mission: "Mission") -> list[str]:
     return [
         *(f"{mission.route}: {remark}" for remark in (mission.survey.remarks if mission.survey else ())),
         *([f"start.yaw is {yaw:g} rad, more than a full turn: was it meant in degrees?"] if abs(yaw) > TURN else []),
-        *(leg_remarks(mission) if mission.planner is None else ()),
+        *(leg_remarks(mission) if mission.planner is None and not mission.avoid else ()),
     ]
 
 

@@ -1,13 +1,14 @@
 """Missions written in north-east-down, turned into the library's east-north-up.
 
-Converted are the start (position, yaw), the route's points, the wind, and the world's bounds, ground, shapes.
-An image, a cloud and a generator place themselves in east-north-up, a `.plan` file in degrees, in any frame.
+Converted are the start (position, yaw), the route's points, the wind, and the world's bounds, ground, shapes (those
+that move or are not mapped too). An image, a cloud and a generator place themselves in east-north-up, a `.plan` file in
+degrees, in any frame.
 """
 
 from dataclasses import replace
 
 from crosstrack.frames import yaw_from_heading
-from crosstrack.mission.schema import MissionFile, Point
+from crosstrack.mission.schema import MissionFile, Point, Points
 from crosstrack.types import Vector
 from crosstrack.world.build import ShapeSpec
 
@@ -25,15 +26,23 @@ def in_enu(mission: MissionFile) -> MissionFile:
             position=vector(mission.start.position),
             yaw=float(yaw_from_heading(mission.start.yaw)),
         ),
-        route=mission.route if isinstance(mission.route, str) else tuple(point(p) for p in mission.route),
+        route=turned(mission.route),
+        goal=None if mission.goal is None else point(mission.goal),
         wind=replace(mission.wind, mean=vector(mission.wind.mean)),
         world=replace(
             world,
             bounds=None if world.bounds is None else corners(*world.bounds),
             ground=0.0 - world.ground,
             shapes=tuple(shape(s) for s in world.shapes),
+            unmapped=tuple(shape(s) for s in world.unmapped),
+            moving=tuple(replace(m, shape=shape(m.shape), velocity=vector(m.velocity)) for m in world.moving),
         ),
     )
+
+
+def turned(route: str | Points | None) -> str | Points | None:
+    """Convert the points of a route; the name of a file stays."""
+    return route if route is None or isinstance(route, str) else tuple(point(p) for p in route)
 
 
 def vector(v: Vector) -> Vector:

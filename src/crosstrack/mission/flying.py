@@ -22,3 +22,13 @@ def fly(mission: Mission | Plan, observers: Sequence[Observer] = ()) -> Flight:
         'ARRIVED'
     """
     return loop.fly(mission.build() if isinstance(mission, Mission) else mission, observers)
+
+
+def fly_together(mission: Mission) -> list[Flight]:
+    """Fly the `vehicles` of a mission at the same time and return their flights, in their order.
+
+    Raises:
+        InputError: everything that is wrong with the mission.
+        Infeasible: no trajectory keeps within what is asked of one of them.
+    """
+    return loop.fly_together(mission.plans())

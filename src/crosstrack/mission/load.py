@@ -24,7 +24,7 @@ from crosstrack.mission.text import Document, parse, read_text, scalar, show
 from crosstrack.mission.values import sound
 from crosstrack.world.files import Files, read
 
-PLACEHOLDERS = {"start": {"position": [0, 0, 0]}, "route": [[0, 0]]}
+PLACEHOLDERS = {"start": {"position": [0, 0, 0]}}
 """stand in for a required field that is broken, while the rest is checked"""
 
 
@@ -119,7 +119,10 @@ def validated(document: Document, files: Files, settings: Sequence[str] = ()) ->
 
 def completed(document: Document, files: Files) -> Document:
     """Return a document with what its `.plan` file says of start and speed, where it says nothing itself."""
-    value = document.value
+    value, first = document.value, first_of(document.value.get("vehicles"))
+    if first:
+        value = {name: first[name] for name in ("start",) if name in first} | value
+        document = replace(document, value=value)
     route = value.get("route")
     if not isinstance(route, str) or {"start", "speed"} <= value.keys():
         return document
@@ -132,6 +135,12 @@ def completed(document: Document, files: Files) -> Document:
     position = (ned_from_enu(first) if value.get("frame") == "ned" else first).tolist()
     speed = {} if plan.speed is None else {"speed": plan.speed}
     return replace(document, value={"start": {"position": position, "takeoff": plan.takeoff}, **speed, **value})
+
+
+def first_of(vehicles: Any) -> dict[str, Any]:
+    """Return what the first of several vehicles says, as far as that can be read."""
+    first = vehicles[0] if isinstance(vehicles, list) and vehicles else None
+    return first if isinstance(first, dict) else {}
 
 
 class _Dumper(yaml.SafeDumper):

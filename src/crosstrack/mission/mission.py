@@ -1,5 +1,6 @@
 """A mission: what its file says, and what follows from it."""
 
+import time
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -7,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from crosstrack.errors import InputError, Problem
 from crosstrack.flight.plan import Plan
 from crosstrack.frames import Origin
 from crosstrack.mission.check import assure
 from crosstrack.mission.convert import in_enu
 from crosstrack.mission.document import plain
-from crosstrack.mission.planning import course_for
+from crosstrack.mission.planning import along, course_for, replanning_for
 from crosstrack.mission.qgroundcontrol import PlanFile, read_plan
 from crosstrack.mission.schema import MissionFile
 from crosstrack.path.polyline import Polyline
@@ -64,6 +66,36 @@ class Mission(MissionFile):
         """
         return self.enu.world.build(self.files)
 
+    @cached_property
+    def told(self) -> World:
+        """What the vehicle is told of the obstacles."""
+        if self.map == "unknown":
+            return World(bounds=self.obstacles.bounds, ground=self.obstacles.ground)
+        return self.enu.world.told(self.obstacles)
+
+    @cached_property
+    def members(self) -> tuple["Mission", ...]:
+        """The missions of the `vehicles`, one each; of a single vehicle, the mission itself."""
+        if not self.vehicles:
+            return (self,)
+        return tuple(self._member(index) for index in range(len(self.vehicles)))
+
+    def _member(self, index: int) -> "Mission":
+        said = self.vehicles[index]
+        goes = self if said.route is None and said.goal is None else said
+        mission = replace(
+            self,
+            name=said.name,
+            start=said.start,
+            route=goes.route,
+            goal=goes.goal,
+            vehicles=(),
+            seed=self.seed + index,
+            files=self.files,
+        )
+        vars(mission)["obstacles"] = self.obstacles  # the same world, built once
+        return mission
+
     @property
     def place(self) -> Origin:
         """WGS84 place of the local (0, 0, 0)."""
@@ -81,7 +113,8 @@ class Mission(MissionFile):
         if self.survey is not None:
             return self.survey.points
         height = self.enu.start.position[2]
-        return np.array([(*point, height)[:3] for point in self.enu.route], float)
+        points = self.enu.route if self.enu.goal is None else (self.enu.goal,)
+        return np.array([(*point, height)[:3] for point in points or ()], float)
 
     @cached_property
     def points(self) -> Array:
@@ -112,22 +145,44 @@ class Mission(MissionFile):
         """Return the mission as objects, ready to fly.
 
         Raises:
+            InputError: everything that is wrong with the mission, or it is of several vehicles.
+            Infeasible: no trajectory keeps within what is asked for, or there is no way to the goal.
+        """
+        if self.vehicles:
+            raise InputError(self.name, [Problem("vehicles", "are several: build their `plans`, or `fly_together`")])
+        return self.plans()[0]
+
+    def plans(self) -> list[Plan]:
+        """Return what each of the vehicles flies; of a mission of one vehicle, its plan alone.
+
+        Raises:
             InputError: everything that is wrong with the mission.
+            Infeasible: no trajectory keeps within what is asked for, or there is no way to a goal.
         """
         assure(self)
+        return [member.plan() for member in self.members]
+
+    def plan(self) -> Plan:
+        """Return the mission as objects, once it is known to be sound."""
         scenario, tracker = self.scenario(), self.tracker
         assert tracker is not None  # it was given its default
-        route = Polyline(self.points)
+        route, began = Polyline(self.points), time.perf_counter()
+        course = course_for(self, route, scenario)
+        planning_time = time.perf_counter() - began
         return Plan(
             name=self.name,
             document=self.document(),
-            route=route,
-            course=course_for(self, route, scenario),
+            route=route if self.goal is None else along(course.path),
+            course=course,
             vehicle=self.vehicle,
             tracker=tracker,
             scenario=scenario,
             timeout=self.timing.timeout,
             avoiders=self.avoid,
+            told=self.told,
+            warned=self.map == "known",
+            replanning=replanning_for(self, route, scenario),
+            planning_time=planning_time,
             files={name: read(self.files, name) for name in self.names},
         )
 
@@ -145,4 +200,6 @@ class Mission(MissionFile):
             period=1 / self.timing.rate,
             seed=self.seed,
             mismatch=self.mismatch,
+            sensors=self.sensors,
+            traffic=self.enu.world.traffic(),
         )

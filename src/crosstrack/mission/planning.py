@@ -3,15 +3,22 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from crosstrack.errors import InputError, Problem
+from crosstrack.flight.plan import Replanning
 from crosstrack.follow.course import RESERVE, plan_course
 from crosstrack.path.pace import course_of
 from crosstrack.path.polyline import Polyline
-from crosstrack.protocols import Course, Planner, PlanningTask, Scenario
+from crosstrack.protocols import Course, Path, Planner, PlanningTask, Scenario
+from crosstrack.registry import find
 from crosstrack.world.files import read
 
 if TYPE_CHECKING:
     from crosstrack.mission.mission import Mission
+
+SPACING = 0.1
+"""m, between the points that a way which was found is kept as"""
 
 
 def course_for(mission: "Mission", route: Polyline, scenario: Scenario) -> Course:
@@ -45,7 +52,28 @@ def task_for(mission: "Mission", planner: Planner, route: Polyline, scenario: Sc
         speed=min(mission.speed, envelope.speed),
         tolerance=mission.tolerance,
         envelope=reserved,
-        world=scenario.world,
+        world=mission.told,
         radius=mission.vehicle.radius,
         files={name: read(mission.files, name) for name in planner.names},
     )
+
+
+def replanning_for(mission: "Mission", route: Polyline, scenario: Scenario) -> Replanning | None:
+    """Return how a mission is planned again in flight; None where it is not."""
+    planner: Planner | None = mission.planner
+    own = planner is not None and planner.replans
+    when = mission.replan
+    if when == "auto":
+        uncertain = mission.map == "unknown" or bool(mission.sensors)
+        bending = any(not avoider.guards for avoider in mission.avoid)
+        when = "blocked" if own and uncertain else "trapped" if bending else "never"
+    if when == "never":
+        return None
+    if planner is None or not planner.replans:
+        planner = find("planner", "auto")()
+    return Replanning(planner, task_for(mission, planner, route, scenario), when == "blocked")
+
+
+def along(path: Path) -> Polyline:
+    """Return a path as a polyline, for what is measured against it."""
+    return Polyline(path(np.linspace(0.0, path.length, max(2, int(path.length / SPACING) + 1))))

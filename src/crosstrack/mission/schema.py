@@ -56,6 +56,18 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Member:
+    """One of several vehicles that fly at once."""
+
+    name: Name
+    start: Start
+    route: Points | None = None
+    """points to fly through"""
+    goal: Point | None = None
+    """m, instead of a route: where to, by a way that is found"""
+
+
+@dataclass(frozen=True)
 class Timing:
     """How often the tracker is asked, and for how long at most."""
 
@@ -88,8 +100,13 @@ class MissionFile:
     name: Name = "mission"
     """what its results are filed under; that of the file, when left out of one"""
     start: Start
-    route: Route
+    """by default that of the first of the `vehicles`"""
+    route: Route | None = None
     """points to fly through, or the name of a QGroundControl `.plan` file beside the mission"""
+    goal: Point | None = None
+    """m, instead of a route: where to, by a way that is found"""
+    vehicles: Annotated[tuple[Member, ...], Len(0, 1000)] = ()
+    """several that fly at once, each with what it says itself in place of what the mission says"""
     speed: Positive = 5.0
     """m/s, cruise"""
     tolerance: Positive = 0.3
@@ -100,12 +117,21 @@ class MissionFile:
     """fly back to the route's first point at the end"""
     world: World = field(default_factory=World)
     vehicle: Annotated[Any, Part("vehicle")] = field(default_factory=Quadrotor)
+    map: Literal["known", "unknown"] = "known"
+    """whether the vehicle is told of the world, or must see it"""
+    sensors: tuple[Annotated[Any, Part("sensor")], ...] = ()
+    """what it sees with"""
     planner: Annotated[Any, Part("planner")] | None = None
-    """what turns the route into a trajectory; left out, its corners are rounded and its speed is planned"""
+    """what turns the route into a trajectory; left out, its corners are rounded and its speed is planned; auto by
+    default where there is a goal"""
     tracker: Annotated[Any, Part("tracker")] | None = None
     """what follows: by default feed_forward where there is a planner, carrot elsewhere"""
     avoid: tuple[Annotated[Any, Part("avoider")], ...] = ()
     """what changes the tracker's commands, one after another"""
+    replan: Literal["auto", "never", "trapped", "blocked"] = "auto"
+    """when a new way is looked for in flight: where the vehicle is trapped, or also where the course is blocked; auto:
+    blocked with a planner that finds ways and something unknown, trapped with any avoider that changes the course, else
+    never"""
     limits: Limits = field(default_factory=Limits)
     wind: Wind = field(default_factory=Wind)
     air: Air = field(default_factory=Air)
@@ -118,5 +144,7 @@ class MissionFile:
     """all that is random follows from it"""
 
     def __post_init__(self) -> None:
+        if self.planner is None and (self.goal or any(member.goal for member in self.vehicles)):
+            object.__setattr__(self, "planner", find("planner", "auto")())
         if self.tracker is None:
             object.__setattr__(self, "tracker", find("tracker", usual_tracker(self.planner))())

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,8 @@ STILL = 0.05
 @dataclass(frozen=True)
 class FromFile:
     """Fly the trajectory of a file, which must lead from the start to the last point of the route."""
+
+    replans: ClassVar[bool] = False
 
     file: str
     """a trajectory.json or .csv beside the mission"""

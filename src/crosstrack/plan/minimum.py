@@ -43,6 +43,7 @@ class Minimum:
 
     derivative: ClassVar[int]
     names: ClassVar[tuple[str, ...]] = ()
+    replans: ClassVar[bool] = False
 
     def allowed(self, tolerance: float) -> float | None:
         """Return how far (m) from the legs the trajectory may be."""

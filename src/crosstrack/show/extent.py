@@ -15,8 +15,8 @@ FLATTEST = 0.2
 
 
 def extent(flights: Sequence[Flight], drawn: Scene) -> Array:
-    """Return the box `around` flights, route and obstacles."""
-    return around([flight.record.position for flight in flights], drawn)
+    """Return the box `around` flights, their routes and obstacles."""
+    return around([path for flight in flights for path in (flight.record.position, flight.plan.route.points)], drawn)
 
 
 def around(paths: Sequence[Array], drawn: Scene) -> Array:

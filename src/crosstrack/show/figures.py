@@ -1,6 +1,6 @@
 """The report's figures."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +8,19 @@ from numpy.typing import NDArray
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene
+from crosstrack.show.avoiding import interventions, replanned, seen
 from crosstrack.show.extent import extent
 from crosstrack.show.layouts import DASHES, curve, plan_layout, space_layout, times_layout
 from crosstrack.show.panels import Panel
-from crosstrack.show.style import ALARM, FOOTPRINT, INK, PLANNED, ROUTE
-from crosstrack.show.traces import Figure, backdrop, line2, line3, mark, mark3, solid
+from crosstrack.show.stage import NOWHERE, groups
+from crosstrack.show.style import ALARM, INK, MOVING, PLANNED, ROUTE, SEEN
+from crosstrack.show.traces import Figure, backdrop, cloud2, cloud3, line2, line3, mark, mark3, patch, solid
+from crosstrack.show.traffic import tracks
 from crosstrack.types import Array, Outcome
+
+MOVERS = "moving obstacles"
+SEEN_IN_SPACE, SEEN_FROM_ABOVE = 15_000, 6_000
+"""points that the sensors saw, drawn at most"""
 
 
 @dataclass(frozen=True)
@@ -32,11 +39,13 @@ class View:
 
 def space(views: Sequence[View], scene: Scene) -> Figure:
     """Return the view in space; the traces of the vehicles are added by the page's script."""
-    obstacles = scene.solid()
-    traces = [] if obstacles is None else [solid("obstacles", *obstacles)]
-    traces.append(line3(scene.route, "route", color=ROUTE, width=2, dash="dash") | {"hoverinfo": "skip"})
-    if views[0].flight.plan.course.trajectory is not None:
-        traces.append(line3(scene.course, "trajectory", color=PLANNED, width=3) | {"hoverinfo": "skip"})
+    box = extent([view.flight for view in views], scene)
+    traces = [solid(group.name, *group.mesh, group.color) for group in groups(scene)]
+    traces += [
+        line3(line, name, **look) | {"hoverinfo": "skip"} | more for name, line, look, more in courses(views, scene)
+    ]
+    if len(points := seen_by(views, box, SEEN_IN_SPACE)):
+        traces.append(cloud3(points, "seen by the sensors", SEEN))
     for view in views:
         name = name_of(view, views)
         flown = line3(view.flight.record.position[view.rows], name, color=view.color, width=7)
@@ -44,9 +53,48 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         traces.append(flown | {"legendgroup": name, "showlegend": False})
     for view in views:  # in the legend: a path of many colours is black there
         name = name_of(view, views)
-        traces.append(line3(np.full((1, 3), np.nan), name, color=view.color, width=5) | {"legendgroup": name})
-    traces += [mark3(*each) for each in marks(views, scene)]
-    return {"data": traces, "layout": space_layout(extent([view.flight for view in views], scene))}
+        traces.append(line3(NOWHERE, name, color=view.color, width=5) | {"legendgroup": name})
+    traces += [mark3(*each) for each in (*stepped_in(views), *marks(views))]
+    for number, each in enumerate(tracks([view.flight for view in views], box)):
+        of_group = {"legendgroup": MOVERS, "hoverinfo": "skip"}
+        line = line3(each.line, MOVERS, color=MOVING, width=3, dash="dot")
+        traces.append(line | of_group | {"showlegend": number == 0})
+        traces.append(solid(MOVERS, *each.mesh, MOVING) | of_group | {"showlegend": False, "meta": "mover"})
+    return {"data": traces, "layout": space_layout(box)}
+
+
+def courses(views: Sequence[View], scene: Scene) -> Iterator[tuple[str, Array, Figure, Figure]]:
+    """Yield name, line (n, 3) m, look and legend of what was to be flown: the route, the plan, and later plans."""
+    yield "route", scene.route, {"color": ROUTE, "width": 2, "dash": "dash"}, {}
+    first = views[0].flight.plan
+    others = [
+        view.flight.plan for view in views[1:] if not np.array_equal(view.flight.plan.route.points, first.route.points)
+    ]
+    for plan in others:
+        yield "route", plan.route.points, {"color": ROUTE, "width": 2, "dash": "dash"}, {"showlegend": False}
+    if first.course.trajectory is not None:
+        yield "trajectory", scene.course, {"color": PLANNED, "width": 3}, {}
+    again = np.concatenate([replanned(view.flight) for view in views])
+    if len(again):
+        yield "planned again", again, {"color": PLANNED, "width": 2, "dash": "dot"}, {}
+
+
+def seen_by(views: Sequence[View], box: Array, most: int) -> Array:
+    """Return what the sensors of all vehicles saw within a box (2, 3) m, (n, 3) m, about `most` points."""
+    return np.concatenate([seen(view.flight, box, most // len(views)) for view in views])
+
+
+def stepped_in(views: Sequence[View]) -> list[tuple[str, Array, Figure]]:
+    """Return name, points (n, 3) m and marker of where each avoider stepped in."""
+    found: dict[str, tuple[str, list[Array]]] = {}
+    for view in views:
+        for each in interventions(view.flight):
+            rows = view.rows[each.rows[view.rows]]
+            found.setdefault(each.name, (each.color, []))[1].append(view.flight.record.position[rows])
+    drawn = [(f"{name} stepped in", color, np.concatenate(points)) for name, (color, points) in found.items()]
+    return [
+        (name, points, {"size": 5, "color": color, "symbol": "circle"}) for name, color, points in drawn if len(points)
+    ]
 
 
 def name_of(view: View, views: Sequence[View]) -> str:
@@ -57,29 +105,36 @@ def name_of(view: View, views: Sequence[View]) -> str:
 def plan_view(views: Sequence[View], scene: Scene) -> Figure:
     """Return the view from above, with equal axes."""
     box = extent([view.flight for view in views], scene)
-    traces: list[Figure] = [backdrop(scene, box)] if scene.meshes else []
-    traces.append(line2(scene.route, "route", color=ROUTE, dash="dash", width=1.5))
-    if views[0].flight.plan.course.trajectory is not None:
-        traces.append(line2(scene.course, "trajectory", color=PLANNED, width=1.5))
+    standing = list(groups(scene))
+    traces = [backdrop(group.scene, box, group.footprint) for group in standing]
+    for name, line, look, more in courses(views, scene):
+        traces.append(line2(line, name, **look | {"width": 1.5}) | more)
+    if len(points := seen_by(views, box, SEEN_FROM_ABOVE)):
+        traces.append(cloud2(points, "seen by the sensors", SEEN))
     traces += [
         line2(view.flight.record.position[view.rows], name_of(view, views), color=view.color, width=2.5)
         for view in views
     ]
-    if scene.meshes:
-        square = {"size": 12, "color": FOOTPRINT, "symbol": "square"}
-        traces.append(mark("obstacles", np.full((1, 3), np.nan), square))
-    traces += [mark(*each) for each in marks(views, scene)]
+    for group in standing:
+        traces.append(mark(group.name, NOWHERE, {"size": 12, "color": group.footprint, "symbol": "square"}))
+    traces += [mark(*each) for each in (*stepped_in(views), *marks(views))]
+    for number, each in enumerate(tracks([view.flight for view in views], box)):
+        line = line2(each.line, MOVERS, color=MOVING, width=1.5, dash="dot")
+        traces.append(line | {"legendgroup": MOVERS, "showlegend": number == 0})
+        traces.append(
+            patch(each.outline(), MOVERS, MOVING) | {"legendgroup": MOVERS, "showlegend": False, "meta": "mover"}
+        )
     return {"data": traces, "layout": plan_layout(box)}
 
 
-def marks(views: Sequence[View], scene: Scene) -> list[tuple[str, Array, Figure]]:
+def marks(views: Sequence[View]) -> list[tuple[str, Array, Figure]]:
     """Return name, points (n, 3) m and marker of start, goal, and where a flight ended that did not arrive."""
     lost = [view.flight for view in views if view.flight.outcome is not Outcome.ARRIVED]
     ends = [flight.record.position[np.isfinite(flight.record.position).all(axis=1)][-1] for flight in lost]
     white = {"size": 9, "color": "#fff", "line": {"color": INK, "width": 2}}
     found = [
         ("start", np.array([view.flight.record.position[0] for view in views]), white | {"symbol": "circle"}),
-        ("goal", scene.route[-1:], white | {"symbol": "square"}),
+        ("goal", np.array([view.flight.plan.route.points[-1] for view in views]), white | {"symbol": "square"}),
     ]
     if ends:
         found.append(("ended here", np.array(ends), {"size": 11, "color": ALARM, "symbol": "x"}))
@@ -88,7 +143,7 @@ def marks(views: Sequence[View], scene: Scene) -> list[tuple[str, Array, Figure]
 
 def times(views: Sequence[View]) -> Figure:
     """Return all panels under one another over a common time axis."""
-    common = max((view.panels for view in views), key=len)
+    common = [panel for panel in max((view.panels for view in views), key=len) if len(views) == 1 or not panel.names]
     traces: list[Figure] = []
     firsts = []
     for index, title in enumerate(panel.title for panel in common):
@@ -110,10 +165,10 @@ def curves(view: View, panel: Panel, index: int, alone: bool) -> list[Figure]:
             index,
             series.label if alone else view.label,
             panel.unit,
-            showlegend=not alone or len(shown) > 1,
+            showlegend=not alone or (len(shown) > 1 and not panel.names),
             line={
                 "color": panel.colors[number] if alone else view.color,
-                "width": 1.6,
+                "width": 6 if panel.names else 1.6,
                 "dash": DASHES[series.role] if alone else "solid",
             },
         )

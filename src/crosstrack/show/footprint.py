@@ -17,13 +17,13 @@ OUTLINE = 5
 """pixels, so that a wall thinner than one is seen"""
 
 
-def footprint(scene: Scene, box: Array) -> Image.Image:
+def footprint(scene: Scene, box: Array, color: str = FOOTPRINT) -> Image.Image:
     """Return the obstacles over the x and y of a box (2, 3) m, clear where there are none, north up."""
     sides = (box[1] - box[0])[:2]
     scale = PIXELS / float(sides.max())
     width, height = np.ceil(sides * scale).astype(int).tolist()
     image = Image.new("P", (width, height), 0)
-    image.putpalette([255, 255, 255, *bytes.fromhex(FOOTPRINT[1:])])
+    image.putpalette([255, 255, 255, *bytes.fromhex(color[1:])])
     image.info["transparency"] = 0
     pen = ImageDraw.Draw(image)
     for _, vertices, triangles in scene.meshes:

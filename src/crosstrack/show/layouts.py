@@ -85,8 +85,16 @@ def furnish(layout: Figure, panel: Panel, index: int, count: int) -> None:
     }
     if (limits := panel.range()) is not None:
         layout[anchor(index, "yaxis")]["range"] = limits
+    if panel.names:
+        ticks = {"tickvals": list(range(1, len(panel.names) + 1)), "ticktext": list(panel.names)}
+        layout[anchor(index, "yaxis")] |= ticks | {"automargin": True}
     beside = {"y": top, "yanchor": "bottom"}
-    heading = {"text": f"<b>{panel.title}</b> ({panel.unit})", "x": 0, "xanchor": "left", "showarrow": False}
+    heading = {
+        "text": panel.heading.replace(panel.title, f"<b>{panel.title}</b>", 1),
+        "x": 0,
+        "xanchor": "left",
+        "showarrow": False,
+    }
     layout["annotations"].append(heading | beside | {"xref": "paper", "yref": "paper"})
     layout[anchor(index, "legend")] = {"orientation": "h", "x": 1, "xanchor": "right"} | beside
 
@@ -106,6 +114,6 @@ def curve(time: Array, values: Array, index: int, name: str, unit: str, **look: 
         "yaxis": anchor(index),
         "legend": anchor(index, "legend"),
         "name": name,
-        "hovertemplate": f"%{{y:.3f}} {escape(unit)}",
+        "hovertemplate": f"%{{y:.3f}} {escape(unit)}" if unit else name,
         **look,
     }

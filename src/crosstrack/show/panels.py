@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.metrics import tilt
-from crosstrack.show.style import PALETTE, ROTORS
+from crosstrack.show.avoiding import interventions
+from crosstrack.show.style import ALARM, PALETTE, ROTORS
 from crosstrack.types import Array
 
 Role = Literal["flown", "planned", "asked", "limit"]
@@ -40,6 +42,13 @@ class Panel:
     """whether the axis begins at zero"""
     span: float = 0.0
     """least range of the axis: variations far below it are no news"""
+    names: tuple[str, ...] = ()
+    """of the values 1, 2, ..., where the values stand for something"""
+
+    @property
+    def heading(self) -> str:
+        """The title with the unit, where there is one"""
+        return f"{self.title} ({self.unit})" if self.unit else self.title
 
     @property
     def colors(self) -> tuple[str, ...]:
@@ -59,7 +68,9 @@ class Panel:
         return finite
 
     def range(self) -> tuple[float, float] | None:
-        """Return the range of an axis that its values alone would leave below `span`; None where they do not."""
+        """Return the range of an axis of names, or of one that its values would leave below `span`; None elsewhere."""
+        if self.names:
+            return 0.4, len(self.names) + 0.6
         values = self.finite()
         if self.span == 0.0 or not len(values) or np.ptp(values) >= self.span:
             return None
@@ -79,6 +90,8 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
         *commanded(flight),
         *rotors(flight),
         *clearance(flight),
+        *separation(flight),
+        *avoided(flight),
         *wind(flight),
     ]
 
@@ -86,19 +99,31 @@ def panels(flight: Flight, error: Array) -> list[Panel]:
 def tracked(flight: Flight) -> Iterator[Panel]:
     """Yield the distance to where the trajectory is by then, where there is one."""
     if flight.plan.course.trajectory is not None:
-        yield Panel("Distance to the trajectory's point", "m", (Series("tracking error", flight.tracking),))
+        error = np.where(first_course(flight), flight.tracking, np.nan)
+        yield Panel("Distance to the trajectory's point", "m", (Series("tracking error", error),))
+
+
+def first_course(flight: Flight) -> NDArray[np.bool_]:
+    """Return which samples (n,) lie before the first course that was planned in flight, if any."""
+    time = flight.record.time
+    return time < flight.replans[0].time if flight.replans else np.ones(len(time), dtype=bool)
 
 
 def by_then(flight: Flight, order: int) -> Array | None:
-    """Return a derivative of the trajectory at every sample, (n, 3); None without one."""
+    """Return a derivative of the trajectory at every sample, (n, 3), NaN on later courses; None without one."""
     trajectory, time = flight.plan.course.trajectory, flight.record.time
-    return None if trajectory is None else trajectory(time - time[0], order)
+    if trajectory is None:
+        return None
+    return np.where(first_course(flight)[:, None], trajectory(time - time[0], order), np.nan)
 
 
 def speed(flight: Flight) -> Panel:
     """Return the speed flown, planned, and asked for; without a trajectory planned is the profile at the progress."""
     record, velocity = flight.record, by_then(flight, 1)
-    planned = flight.plan.course.speed(record.progress) if velocity is None else np.linalg.norm(velocity, axis=1)
+    if velocity is None:
+        planned = np.where(first_course(flight), flight.plan.course.speed(record.progress), np.nan)
+    else:
+        planned = np.linalg.norm(velocity, axis=1)
     asked = np.linalg.norm(record.command_velocity, axis=1)
     series = [
         Series("flown", np.linalg.norm(record.velocity, axis=1)),
@@ -113,6 +138,7 @@ def height(flight: Flight) -> Panel:
     """Return the height flown, and of the trajectory or else of the course at the progress."""
     record, position = flight.record, by_then(flight, 0)
     planned = (flight.plan.course.path(record.progress) if position is None else position)[:, 2]
+    planned = np.where(first_course(flight), planned, np.nan)
     series = (Series("flown", record.position[:, 2]), Series("course", planned, "planned"))
     return Panel("Height", "m", series, from_zero=False, span=1.0)
 
@@ -158,6 +184,26 @@ def clearance(flight: Flight) -> Iterator[Panel]:
     distance = flight.record.clearance
     if np.isfinite(distance).any():
         yield Panel("Clearance", "m", (Series("clearance", distance),))
+
+
+def separation(flight: Flight) -> Iterator[Panel]:
+    """Yield the distance to the nearest other vehicle, where there are any, and that at which two alike would touch."""
+    distance = flight.record.separation
+    if np.isfinite(distance).any():
+        touch = np.full(len(distance), 2 * flight.plan.vehicle.radius)
+        series = (Series("separation", distance), Series("sum of the radii", touch, "limit", ALARM))
+        yield Panel("Distance to the nearest vehicle, between centres", "m", series)
+
+
+def avoided(flight: Flight) -> Iterator[Panel]:
+    """Yield when each avoider stepped in, where there are any: its number, over the time from sample to sample."""
+    found = interventions(flight)
+    if found:
+        series = []
+        for number, each in enumerate(found, 1):
+            held = each.rows | np.append(each.rows[1:], False)
+            series.append(Series(each.name, np.where(held, float(number), np.nan), color=each.color))
+        yield Panel("Avoiders that stepped in", "", tuple(series), names=tuple(each.name for each in found))
 
 
 def wind(flight: Flight) -> Iterator[Panel]:

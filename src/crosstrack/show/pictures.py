@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageOps
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.scene import Scene, scene
+from crosstrack.flight.scene import Scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
 from crosstrack.show.panels import HEADROOM, Panel, Role, panels
@@ -46,7 +46,7 @@ def pictures(flight: Flight, folder: str | Path) -> list[Path]:
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    drawn, error = scene(flight.plan), flight.cross_track
+    drawn, error = stage(flight.plan), flight.cross_track
     made: dict[str, Callable[[], Figure]] = {
         "space.png": lambda: space(flight, drawn, error),
         "plan.png": lambda: plan_view(flight, drawn),
@@ -82,19 +82,25 @@ def space(flight: Flight, drawn: Scene, error: Array) -> Figure:
     """Draw the view in space with equal axes: the path coloured by its cross-track error, faint behind obstacles."""
     figure = sheet(9, 6.5)
     axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
-    if (faces := facing(drawn)) is not None:
-        axes.add_collection3d(solid(faces), autolim=False)
-    route = np.where(behind(drawn.route, faces)[:, None], np.nan, drawn.route)
-    axes.plot(*route.T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
-    colors = LinearSegmentedColormap.from_list("error", SCALE)
-    scale = ScalarMappable(Normalize(0, max(LEAST_TOP["error"], float(np.nanmax(error)))), colors)
+    box = extent([flight], drawn)
+    faces, colors = facing(solids(flight, drawn, box))
+    if len(faces):
+        axes.add_collection3d(solid(faces, colors), autolim=False)
+    for label, line, look in lines(flight, drawn):
+        axes.plot(*unless(behind(line, faces), line).T, label=label, **look, zorder=2)
+    points = seen(flight, box, SEEN_IN_SPACE)
+    axes.plot(*unless(behind(points, faces), points).T, **SEEN_LOOK, zorder=2.5)
+    shades = LinearSegmentedColormap.from_list("error", SCALE)
+    scale = ScalarMappable(Normalize(0, max(LEAST_TOP["error"], float(np.nanmax(error)))), shades)
     axes.add_collection(path(flight, scale.to_rgba(error[1:]), faces))
     axes.plot([], [], color=SCALE[0][1], linewidth=2.5, label="flown")
-    for label, point, look in ends(flight, drawn):
-        axes.plot(*point[:, None], **look, label=label, zorder=4)
-    frame(axes, extent([flight], drawn))
+    for label, position, look in (*marks(flight), *ends(flight)):
+        axes.plot(*position.T, **look, label=label, zorder=4)
+    name_solids(axes, flight, drawn)
+    frame(axes, box)
     figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
     heading(axes, flight)
+    place = {"loc": "outside lower center", "ncols": 4} if flight.plan.avoiders or drawn.solid() is None else {}
     axes.legend(loc="upper left", frameon=False)
     return figure
 

@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
 from crosstrack.flight.flight import Flight
-from crosstrack.flight.scene import Scene, scene
+from crosstrack.flight.scene import Scene
 from crosstrack.flight.summary import summary
 from crosstrack.show.figures import View, plan_view, space, times
 from crosstrack.show.panels import panels
+from crosstrack.show.stage import stage
 from crosstrack.show.style import LEAST_TOP, PALETTE, SCALE
 from crosstrack.show.traces import packed
-from crosstrack.show.words import CARDS, CHASED, NOTHING, rows
+from crosstrack.show.traffic import movers, shifts
+from crosstrack.show.words import AVOIDING_CARDS, CARDS, CHASED, NOTHING, rows
 from crosstrack.types import Array
 
 DRAWN = 4000
@@ -59,7 +61,7 @@ def report(flights: Sequence[Flight], path: str | Path) -> Path:
     Raises:
         OSError: the file cannot be written.
     """
-    path, drawn = Path(path), scene(flights[0].plan)
+    path, drawn = Path(path), stage(flights[0].plan)
     names = [flight.plan.name for flight in flights]
     labels = [f"{index + 1}: {name}" for index, name in enumerate(names)] if len(names) > 1 else names
     views = [view(*each) for each in zip(flights, labels, cycle(PALETTE), strict=False)]
@@ -70,7 +72,7 @@ def report(flights: Sequence[Flight], path: str | Path) -> Path:
         .render(
             title=", ".join(dict.fromkeys(names)),
             pages=[page(view, numbers) for view, numbers in zip(views, summaries, strict=True)],
-            cards=[row for row in rows(summaries, CARDS) if row.values != (NOTHING,)] if len(flights) == 1 else [],
+            cards=[row for row in rows(summaries, headline(flights)) if row.values != (NOTHING,)],
             rows=rows(summaries),
             plotly=get_plotlyjs(),
             data=script_safe(figures(views, drawn)),
@@ -79,6 +81,13 @@ def report(flights: Sequence[Flight], path: str | Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def headline(flights: Sequence[Flight]) -> tuple[str, ...]:
+    """Return the metrics that head the report; of several flights none, the table has them."""
+    if len(flights) > 1:
+        return ()
+    return (*CARDS, *(AVOIDING_CARDS if flights[0].plan.avoiders else ()))
 
 
 def environment() -> Environment:
@@ -148,6 +157,7 @@ def figures(views: Sequence[View], drawn: Scene) -> dict[str, Any]:
         "aim": CHASED[views[0].flight.plan.course.trajectory is not None],
         "stops": stops.tolist(),
         "vehicles": [vehicle(view, stops) for view in views],
+        "shifts": [packed(shifts(mover, stops).ravel()) for mover in movers(views[0].flight.plan)],
     }
 
 

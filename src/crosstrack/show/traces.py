@@ -9,7 +9,7 @@ from PIL.Image import Transpose
 
 from crosstrack.flight.scene import Scene
 from crosstrack.show.footprint import address, footprint
-from crosstrack.show.style import INK, OBSTACLE
+from crosstrack.show.style import FOOTPRINT, INK, OBSTACLE
 from crosstrack.types import Array
 
 Figure = dict[str, Any]
@@ -42,13 +42,13 @@ def line2(positions: Array, name: str, **line: Any) -> Figure:
     return {"type": "scatter", "mode": "lines", "name": name, "line": line, "hoverinfo": "skip", **flat(positions)}
 
 
-def solid(name: str, vertices: Array, triangles: NDArray[np.integer]) -> Figure:
+def solid(name: str, vertices: Array, triangles: NDArray[np.integer], color: str = OBSTACLE) -> Figure:
     """Return a mesh in space."""
     corners = {axis: packed(triangles[:, index]) for index, axis in enumerate("ijk")}
     return {
         "type": "mesh3d",
         "name": name,
-        "color": OBSTACLE,
+        "color": color,
         "flatshading": True,
         # the limit applies to squared areas in units of the view: by default small faces are left without light
         "lighting": {"ambient": 0.7, "diffuse": 0.5, "specular": 0.05, "facenormalsepsilon": 0},
@@ -82,9 +82,42 @@ def mark3(name: str, positions: Array, marker: Figure) -> Figure:
     }
 
 
-def backdrop(scene: Scene, box: Array) -> Figure:
+def cloud3(positions: Array, name: str, color: str) -> Figure:
+    """Return many positions (n, 3) as small dots in space."""
+    look = {"size": 1.8, "color": color, "opacity": 0.8}
+    return {
+        "type": "scatter3d",
+        "mode": "markers",
+        "name": name,
+        "marker": look,
+        "hoverinfo": "skip",
+        **points(positions),
+    }
+
+
+def cloud2(positions: Array, name: str, color: str) -> Figure:
+    """Return many positions (n, 3) as small dots of the view from above."""
+    look = {"size": 2.5, "color": color, "opacity": 0.7}
+    return {"type": "scatter", "mode": "markers", "name": name, "marker": look, "hoverinfo": "skip", **flat(positions)}
+
+
+def patch(outline: Array, name: str, color: str) -> Figure:
+    """Return a closed outline (n, 2) as an area of the view from above."""
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "fill": "toself",
+        "fillcolor": f"{color}99",
+        "line": {"color": color, "width": 1},
+        "hoverinfo": "skip",
+        **flat(outline),
+    }
+
+
+def backdrop(scene: Scene, box: Array, color: str = FOOTPRINT) -> Figure:
     """Return the obstacles as an image over the grid of the view from above, its first row in the south."""
-    image = footprint(scene, box)
+    image = footprint(scene, box, color)
     pixel = (box[1] - box[0])[:2] / image.size
     (x, y), (dx, dy) = (box[0, :2] + pixel / 2).tolist(), pixel.tolist()
     source = address(image.transpose(Transpose.FLIP_TOP_BOTTOM))

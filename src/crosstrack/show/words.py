@@ -18,6 +18,7 @@ LABELS: dict[str, tuple[str, str, str]] = {
     "final_error_m": ("Distance to the last waypoint", "m", ".3f"),
     "final_speed_mps": ("Speed at the end", "m/s", ".3f"),
     "min_clearance_m": ("Least clearance", "m", ".3f"),
+    "min_separation_m": ("Least distance to another vehicle's centre", "m", ".3f"),
     "path_length_m": ("Length of the route", "m", ".2f"),
     "flown_length_m": ("Length flown", "m", ".2f"),
     "max_speed_mps": ("Top speed", "m/s", ".2f"),
@@ -27,6 +28,11 @@ LABELS: dict[str, tuple[str, str, str]] = {
     "rms_jerk_mps3": ("Jerk between samples, RMS", "m/s³", ".2f"),
     "max_tilt_deg": ("Largest tilt", "°", ".1f"),
     "control_effort_radps": ("Rotor speeds about their means, RMS", "rad/s", ".1f"),
+    "replans": ("Courses planned in flight", "", "d"),
+    "safety_interventions": ("Times that a safety layer stepped in", "", "d"),
+    "planning_time_s": ("Time to plan", "s", ".3f"),
+    "decision_time_s": ("Time of one decision, median", "s", ".5f"),
+    "decision_time_p99_s": ("Time of one decision, 99th percentile", "s", ".5f"),
     "wall_time_s": ("Time to compute", "s", ".2f"),
 }
 """metric to its label, unit and number format"""
@@ -41,6 +47,9 @@ CARDS = (
     "min_clearance_m",
 )
 """the metrics that head a report"""
+
+AVOIDING_CARDS = ("replans", "safety_interventions")
+"""more of them, where there are avoiders"""
 
 CHASED = {False: "carrot", True: "aim"}
 """what the point chased is called, without and with a trajectory"""

@@ -8,7 +8,8 @@ import numpy as np
 from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Scenario
 from crosstrack.sim import estimate, turbulence
-from crosstrack.types import Array, Command, Envelope, NonNegative, Positive, Setpoint, State
+from crosstrack.sim.watch import Watch
+from crosstrack.types import Array, Command, Envelope, NonNegative, Positive, Scan, Setpoint, State
 
 NEAR = 0.2
 """m, from the last point: a point that passes it no farther has arrived"""
@@ -35,7 +36,7 @@ class Point:
         """Return what it can do: fly at the mission's speed, always."""
         most = self.acceleration or math.inf
         speed = scenario.limits.speed
-        return Envelope(speed, speed, most, most, self.lag, stops=False)
+        return Envelope(speed, speed, most, most, self.lag, self.radius, stops=False)
 
     def launch(self, scenario: Scenario) -> "PointSession":
         """Put it at the start, flying at the mission's speed along its yaw."""
@@ -64,6 +65,8 @@ class PointSession:
         self.blow(0.0)
         self.estimator = estimate.start(scenario.noise, self.state)
         self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
+        self.watch = Watch(scenario)
+        self.watch.step(self.state)
 
     def stated(self, time: float, position: Array) -> State:
         """Return the state at a place: it looks where it flies."""
@@ -85,6 +88,10 @@ class PointSession:
         """Return the true state."""
         return self.state
 
+    def scans(self) -> list[Scan]:
+        """Return what its sensors have seen since this was last asked."""
+        return self.watch.take()
+
     def wind(self) -> Array:
         """Return the wind at the vehicle, (3,) m/s."""
         return self.moving_air
@@ -105,6 +112,7 @@ class PointSession:
         self.state = self.stated(self.state.time + duration, position + self.moving_air * duration)
         self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
         self.blow(duration)
+        self.watch.step(self.state)
 
     @property
     def slow(self) -> bool:

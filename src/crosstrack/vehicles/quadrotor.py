@@ -13,6 +13,7 @@ from crosstrack.sim.airframe import AIRFRAMES, SEA_LEVEL_DENSITY, Airframe
 from crosstrack.sim.autopilot import LEAST_LIFT, MOST_THRUST
 from crosstrack.sim.fleet import ATTITUDE, MOTION, RATE, fleet, place
 from crosstrack.sim.kernel import STEP, fly
+from crosstrack.sim.watch import Watch
 from crosstrack.types import (
     GRAVITY,
     Array,
@@ -22,6 +23,7 @@ from crosstrack.types import (
     Limits,
     Model,
     Positive,
+    Scan,
     Setpoint,
     State,
 )
@@ -100,6 +102,7 @@ class Quadrotor:
             acceleration=min(limits.acceleration, sideways),
             acceleration_vertical=(1 - UPWARDS) * upwards,
             response_time=response + scenario.noise.delay,
+            radius=self.radius,
             model=model_of(airframe, density, limits),
         )
 
@@ -138,6 +141,8 @@ class QuadrotorSession:
         self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.rng)
         self.gusts = turbulence.start(scenario.wind, self.rng)
         self.blow(0.0)
+        self.watch = Watch(scenario)
+        self.watch.step(self.state)
 
     def read(self) -> State:
         """Return the true state of the row."""
@@ -157,6 +162,10 @@ class QuadrotorSession:
     def truth(self) -> State:
         """Return the true state."""
         return self.state
+
+    def scans(self) -> list[Scan]:
+        """Return what its sensors have seen since this was last asked."""
+        return self.watch.take()
 
     def wind(self) -> Array:
         """Return the wind at the vehicle, (3,) m/s."""
@@ -182,6 +191,7 @@ class QuadrotorSession:
             error[:3] = self.estimated.position - self.state.position
             error[3:] = self.estimated.velocity - self.state.velocity
         self.blow(duration)
+        self.watch.step(self.state)
 
     def tell(self, command: Command) -> None:
         """Write a command into the row."""

@@ -1,14 +1,17 @@
 """The world as a mission writes it."""
 
-from dataclasses import dataclass, fields
-from typing import Any
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Ge, Lt
 
 from crosstrack.types import Finite, Vector
 from crosstrack.world.cloud import Cloud
 from crosstrack.world.files import Files
 from crosstrack.world.image import ImageMap
+from crosstrack.world.moving import Moving, MovingObstacles
 from crosstrack.world.shapes import Box, Cylinder, Prism, Shape, Sphere
 from crosstrack.world.world import World
 
@@ -37,6 +40,18 @@ class ShapeSpec:
 
 
 @dataclass(frozen=True)
+class MovingSpec:
+    """A shape that moves at a steady velocity."""
+
+    shape: ShapeSpec
+    """where it is when the flight begins"""
+    velocity: Vector
+    """m/s, world"""
+    turns: Annotated[float, Ge(0.1), Lt(math.inf)] | None = None
+    """s, after which it turns back, again and again; left out, it never does"""
+
+
+@dataclass(frozen=True)
 class WorldSpec:
     """What is in the way, from any of these sources together, and the space that may be flown."""
 
@@ -46,6 +61,10 @@ class WorldSpec:
     """m, height of the ground"""
     shapes: tuple[ShapeSpec, ...] = ()
     """obstacles with exact distances"""
+    unmapped: tuple[ShapeSpec, ...] = ()
+    """more of them that no map shows: the vehicle is not told of them"""
+    moving: tuple[MovingSpec, ...] = ()
+    """obstacles that move"""
     image: ImageMap | None = None
     """a picture as a map of walls"""
     cloud: Cloud | None = None
@@ -69,7 +88,7 @@ class WorldSpec:
         return [part.file for part in (self.image, self.cloud) if part is not None]
 
     def build(self, files: Files) -> World:
-        """Read the files and return the world.
+        """Read the files and return the world as it is, less what moves.
 
         Args:
             files: the folder that names are relative to, or the contents of the files by name
@@ -81,8 +100,21 @@ class WorldSpec:
         grids = [self.image.build(files, self.ground)] if self.image else []
         clouds = [self.cloud.build(files)] if self.cloud else []
         return World(
-            shapes=(*(spec.shape for spec in self.shapes), *made),
+            shapes=(*(spec.shape for spec in self.shapes), *made, *(spec.shape for spec in self.unmapped)),
             grids=(*grids, *clouds),
             bounds=None if self.bounds is None else np.array(self.bounds, dtype=float),
             ground=self.ground,
         )
+
+    def told(self, world: World) -> World:
+        """Return what a map shows of the world that `build` returned: all but `unmapped`."""
+        if not self.unmapped:
+            return world
+        return replace(world, shapes=world.shapes[: -len(self.unmapped)])
+
+    def traffic(self) -> MovingObstacles | None:
+        """Return what moves; None where nothing does."""
+        if not self.moving:
+            return None
+        movers = tuple(Moving(spec.shape.shape, spec.velocity, spec.turns) for spec in self.moving)
+        return MovingObstacles(movers, self.ground)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrack.types import Array
-from crosstrack.world.grids import Grid, Relief, Voxels
+from crosstrack.world.grids import Grid, Occupied, Relief, Voxels
 from crosstrack.world.polygon import counter_clockwise
 from crosstrack.world.shapes import Box, Cylinder, Prism, Shape, Sphere
 
@@ -28,6 +28,8 @@ class Table(NamedTuple):
     """(m, 2) m, of all prisms, each counter-clockwise"""
     values: Array
     """(k,) m, signed distances at the corners of all grids, row-major"""
+    occupied: Occupied
+    """(k,) whether the cell above each of these corners is occupied"""
     nodes: Array
     """(q, 6) m, box around each node of the tree; the first is the root"""
     links: NDArray[np.int64]
@@ -55,6 +57,7 @@ def tabulate(shapes: Sequence[Shape], grids: Sequence[Grid]) -> Table | None:
         boxes[order],
         np.concatenate([np.empty((0, 2)), *polygons]),
         np.concatenate([np.empty(0), *(grid.values.ravel() for grid in grids)]),
+        np.concatenate([np.empty(0, dtype=bool), *(np.pad(grid.occupied, (0, 1)).ravel() for grid in grids)]),
         nodes,
         links,
     )

@@ -5,8 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
+from crosstrack.protocols import Field
 from crosstrack.types import Array
-from crosstrack.world import nearest
+from crosstrack.world import nearest, sectors
+from crosstrack.world.field import stamped
 from crosstrack.world.grids import Grid, Relief
 from crosstrack.world.mesh import Mesh, Triangles, join
 from crosstrack.world.shapes import Shape
@@ -69,6 +71,27 @@ class World:
             return np.inf
         start, end = np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float)
         return nearest.swept(self.table, start, end)
+
+    def field(self, low: Array, cell: float, counts: tuple[int, int, int], reach: float) -> Field:
+        """Return the distance at the points of a lattice, (counts) m: where it is below `reach`; `reach` elsewhere.
+
+        Args:
+            low: (3,) m, the first point
+            cell: m, between two points along each axis
+            counts: of points along each axis
+            reach: m, above zero
+        """
+        return stamped(self.table, low, cell, counts, reach)
+
+    def cast(self, origin: Array, directions: Array, reach: float) -> Array:
+        """Return how far (n,) m rays go from a point (3,) along unit vectors (n, 3) until they hit an obstacle.
+
+        inf where that is not within `reach` (m); 0 from inside an obstacle. Exact, for grids as the union of their cells.
+        """
+        if self.table is None:
+            return np.full(len(directions), np.inf)
+        origin, directions = np.ascontiguousarray(origin, dtype=float), np.ascontiguousarray(directions, dtype=float)
+        return sectors.cast(self.table, origin, directions, reach)
 
     def meshes(self) -> list[tuple[str, Array, Triangles]]:
         """Return the surfaces to draw, one for each kind of obstacle: name, vertices (m), triangles."""

@@ -73,7 +73,24 @@
     marker: { size: 12, color: vehicle.color, line: { width: 2, color: "#0f172a" } }, hoverinfo: "skip", showlegend: false }));
   const firstMark = data.plan.data.length;
 
+  // Moving obstacles: where their points are at time 0, and how far they have moved at every stop.
+  const shifts = data.shifts.map(numbers);
+  const movers = [[space, data.space.data, "xyz"], [above, data.plan.data, "xy"]].map(([plot, traces, axes]) => {
+    const found = traces.filter((trace) => trace.meta === "mover");
+    const origins = found.map((trace) => [...axes].map((axis) => numbers(trace[axis])));
+    return { plot, axes, origins, indices: found.map((trace) => traces.indexOf(trace)) };
+  });
+  const moveObstacles = (stop) => {
+    for (const { plot, axes, origins, indices } of movers) {
+      if (!indices.length) continue;
+      Plotly.restyle(plot, Object.fromEntries([...axes].map((axis, number) => [axis,
+        origins.map((origin, mover) => Array.from(origin[number], (value) => value + shifts[mover][3 * stop + number])),
+      ])), indices);
+    }
+  };
+
   const show = (stop) => {
+    moveObstacles(stop);
     const time = data.stops[stop];
     const lines = vehicles.flatMap((vehicle, index) => [trail(index, stop), body(vehicle, stop), sight(vehicle, stop)]);
     Plotly.restyle(space, { x: lines.map((line) => line[0]), y: lines.map((line) => line[1]), z: lines.map((line) => line[2]) },

@@ -1,0 +1,220 @@
+"""A safety layer: the vehicle can always come to rest before any obstacle it knows of."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Gt, Le
+
+from crosstrack.avoid.barrier import least_acceleration, nearest
+from crosstrack.avoid.safety_command import asked_by, clip, keeps_upright
+from crosstrack.avoid.safety_motion import Ability, Motion, ability, bound_for, started, strength, thrown
+from crosstrack.avoid.safety_stopping import Escape, Stop, way_to_rest
+from crosstrack.avoid.safety_way import Block, Room, first_block, least_clearance, planes_of
+from crosstrack.errors import InputError, Problem
+from crosstrack.protocols import Course, Surroundings
+from crosstrack.types import Array, Command, NonNegative, Setpoint, State, unset
+
+BRAKE = Escape(np.zeros(3), 0.0)
+TRIES = 4
+"""commands tried before the vehicle begins a way to rest"""
+CAUTION = 0.95
+"""of the deceleration counted on, for commands that are proposed: so that they are found safe"""
+NOTHING = unset()
+
+
+@dataclass(frozen=True)
+class SafetyMemory:
+    """What the safety layer remembers."""
+
+    counted: Ability
+    """what it counts on for braking"""
+    full: Ability
+    """what the vehicle is able to"""
+    radius: float
+    """m, of the vehicle"""
+    planes: Array
+    """(n, 4) ground and bounds, see `safety_way.planes_of`"""
+    asked: Array
+    """(3,) m/s², acceleration asked for last"""
+    jerk: Array = field(default_factory=unset)
+    """(3,) m/s³, then"""
+    escape: Escape = BRAKE
+    """how it would come to rest"""
+    seen: float = math.inf
+    """m, as far as its sensors see"""
+    between: float = 0.0
+    """s, between two scans"""
+    scanned: float = -math.inf
+    """s, time of the last scan"""
+    intervening: bool = False
+    """whether it changed the last command"""
+
+
+@dataclass(frozen=True)
+class Safety:
+    """Change a command as little as possible so that the vehicle can always come to rest clear of obstacles.
+
+    A command passes if the vehicle, after holding it for a period, can still come to rest, by braking or by turning
+    away and then braking, with the clearance kept all along the way. Otherwise the velocity nearest to the one asked
+    for takes its place, out of those that approach no obstacle faster than can be stopped, if it passes the same test;
+    and where none does, the vehicle begins the way to rest that it had when it was last found safe.
+
+    Sources: barrier of the braking distance, Fox, Burgard, Thrun 1997 and Ames et al. 2017; a nominal command filtered by
+    a committed way to rest, Agrawal, Chen, Panagou 2023 (gatekeeper); passive safety, Bouraine, Fraichard, Salhi 2012.
+    """
+
+    guards = True
+
+    share: Annotated[float, Gt(0), Le(1)] = 0.75
+    """of the vehicle's acceleration, counted on for braking; the rest is held in reserve"""
+    margin: NonNegative = 0.01
+    """m, kept beyond the vehicle's radius"""
+
+    def start(self, course: Course, around: Surroundings, state: State) -> SafetyMemory:
+        """Begin with what the vehicle can do.
+
+        Raises:
+            InputError: the vehicle cannot come to rest.
+        """
+        envelope = course.envelope
+        if not envelope.stops:
+            problem = Problem("vehicle", "safety is for a vehicle that can come to rest; this one cannot")
+            raise InputError("avoid", [problem])
+        return SafetyMemory(
+            ability(envelope, self.share),
+            ability(envelope, 1.0),
+            envelope.radius,
+            planes_of(around.obstacles),
+            np.zeros(3),
+        )
+
+    def step(
+        self, memory: SafetyMemory, command: Command, state: State, around: Surroundings, duration: float
+    ) -> tuple[Command, SafetyMemory]:
+        """Return the same command where it is safe, and the nearest that is found safe otherwise."""
+        decision = Decision(self, noticed(memory, around), state, around, duration)
+        return decision.made(command)
+
+
+def noticed(memory: SafetyMemory, around: Surroundings) -> SafetyMemory:
+    """Return the memory with what the latest scans say of how far and how often is seen."""
+    if not around.scans:
+        return memory
+    reach = max(scan.max_range for scan in around.scans)
+    seen = reach if math.isinf(memory.seen) else max(memory.seen, reach)
+    time = around.scans[-1].time
+    between = time - memory.scanned if math.isfinite(memory.scanned) else 0.0
+    return replace(memory, seen=seen, between=max(memory.between, between), scanned=time)
+
+
+@dataclass
+class Decision:
+    """One step of the safety layer."""
+
+    law: Safety
+    memory: SafetyMemory
+    state: State
+    around: Surroundings
+    duration: float
+    motion: Motion = field(init=False)
+    room: Room = field(init=False)
+
+    def __post_init__(self) -> None:
+        memory, state = self.memory, self.state
+        known = state.acceleration if math.isfinite(state.acceleration.sum()) else memory.asked
+        jerk = thrown(known, state.attitude, state.rate)
+        self.motion = started(
+            state.position, state.velocity, known, jerk, memory.jerk, memory.asked, self.duration, memory.full
+        )
+        self.memory = replace(memory, jerk=jerk)
+        here = self.motion[0]
+        needed = memory.radius + self.law.margin
+        blind = math.sqrt(float(state.velocity @ state.velocity)) * (memory.between + self.duration)
+        distance = float(self.around.obstacles.distance(here))
+        self.room = Room(here, distance, needed, max(0.0, memory.seen - needed - blind), memory.planes)
+
+    def made(self, command: Command) -> tuple[Command, SafetyMemory]:
+        """Return the command to fly, and the new memory."""
+        full = self.memory.full
+        asked = asked_by(command, self.state, full, self.duration)
+        block: Block | None = None
+        if keeps_upright(command, self.state, self.duration + full.turn_time):
+            escape, block = self.judged(asked)
+            if escape is not None:
+                return command, replace(self.memory, asked=asked, escape=escape, intervening=False)
+        found = self.proposed(asked, block) or self.retreat(asked)
+        stop, escape = found
+        yaw = (command.yaw, command.yaw_rate) if isinstance(command, Setpoint) else (math.nan, math.nan)
+        changed = Setpoint(NOTHING, stop.velocity, stop.asked, *yaw)
+        return changed, replace(self.memory, asked=stop.asked, escape=escape, intervening=True)
+
+    def way(self, asked: Array, escape: Escape, able: Ability) -> Stop:
+        """Return the way to rest after an acceleration (3,) m/s² asked for during this period; NaN for none."""
+        return way_to_rest(self.motion, asked, self.duration, escape, able)
+
+    def blocked(self, way: Stop) -> Block | None:
+        """Return what a way runs into."""
+        return first_block(way, self.around, self.room)
+
+    def judged(self, asked: Array) -> tuple[Escape | None, Block | None]:
+        """Return how the vehicle can come to rest after an acceleration (3,) m/s² asked for, or what is in the way."""
+        able = self.memory.counted
+        block = self.blocked(self.way(asked, BRAKE, able))
+        if block is None:
+            return BRAKE, None
+        for escape in self.escapes(block, asked, able):
+            if self.blocked(self.way(asked, escape, able)) is None:
+                return escape, None
+        return None, block
+
+    def escapes(self, block: Block, asked: Array, able: Ability) -> Iterator[Escape]:
+        """Yield ways to turn away from what is in the way, the one remembered last."""
+        aside = Escape(block.normal, 0.0)
+        yield aside
+        yield Escape(block.normal, 1.0)
+        second = self.blocked(self.way(asked, aside, able))
+        if second is not None:
+            both = block.normal + second.normal
+            size = float(np.linalg.norm(both))
+            if size > 0.1:
+                yield Escape(both / size, 0.0)
+        if self.memory.escape is not BRAKE:
+            yield self.memory.escape
+
+    def proposed(self, asked: Array, block: Block | None) -> tuple[Stop, Escape] | None:
+        """Return a command near the one asked for that is found safe: on the safe side of all that is in the way."""
+        blocks: list[Block] = []
+        place, velocity = np.empty(3), np.empty(3)
+        bound_for(self.motion, self.memory.full, place, velocity)
+        while block is not None and len(blocks) < TRIES:
+            blocks.append(block)
+            least = np.array([self.least(each, place, velocity) for each in blocks])
+            nearby = nearest(asked, np.array([each.normal for each in blocks]), least)
+            clip(nearby, self.memory.full)
+            escape, block = self.judged(nearby)
+            if escape is not None:
+                return self.way(nearby, escape, self.memory.counted), escape
+        return None
+
+    def least(self, block: Block, place: Array, velocity: Array) -> float:
+        """Return the least acceleration (m/s²) along the normal of what is in the way."""
+        n = block.normal
+        speed = float(n @ velocity) - block.approach
+        room = block.room + float(n @ (place - self.room.here))
+        deceleration = CAUTION * strength(n[0], n[1], n[2], self.memory.counted)
+        return least_acceleration(room, speed, deceleration, self.memory.full.gain)
+
+    def retreat(self, asked: Array) -> tuple[Stop, Escape]:
+        """Return the free way to rest, beginning now, that is nearest to what was asked for; the clearest if none is."""
+        for able in (self.memory.counted, self.memory.full):
+            ways = [(self.way(NOTHING, BRAKE, able), BRAKE)]
+            block = self.blocked(ways[0][0]) or self.blocked(self.way(asked, BRAKE, able))
+            if block is not None:
+                ways += [(self.way(NOTHING, escape, able), escape) for escape in self.escapes(block, NOTHING, able)]
+            free = [pair for pair in ways if self.blocked(pair[0]) is None]
+            if free:
+                return min(free, key=lambda pair: float(np.linalg.norm(pair[0].asked - asked)))
+        return max(ways, key=lambda pair: least_clearance(pair[0], self.around))

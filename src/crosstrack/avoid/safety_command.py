@@ -1,0 +1,110 @@
+"""What a command of any level asks of a vehicle: an acceleration."""
+
+import math
+
+import numpy as np
+
+from crosstrack.avoid.safety_motion import Ability
+from crosstrack.compiled import compiled
+from crosstrack.types import GRAVITY, Array, AttitudeSetpoint, Command, RateSetpoint, Setpoint, State
+
+POSITION_GAIN = 1.6
+"""1/s, of an autopilot, as is usual"""
+VELOCITY_GAIN = 4.0
+"""1/s, of an autopilot, as is usual"""
+MOST = 1.25
+"""of the acceleration that a vehicle may be asked for: an autopilot asks for no more sideways"""
+MOST_VERTICAL = 2.5
+"""of the acceleration up or down that a vehicle may be asked for"""
+UPRIGHT = math.cos(math.radians(85.0))
+"""least cosine of the tilt from which the thrust is sure to be turned against the motion in time"""
+FALL = np.array([0.0, 0.0, GRAVITY])
+
+
+def asked_by(command: Command, state: State, able: Ability, period: float) -> Array:
+    """Return the acceleration (3,) m/s² that a command asks for, by the end of the period (s) at the latest."""
+    if isinstance(command, Setpoint):
+        return answered(state.position, state.velocity, command.position, command.velocity, command.acceleration, able)
+    return limited(command.thrust * thrust_axis(command, state, period + able.turn_time) - FALL, 3.0 * GRAVITY)
+
+
+def limited(vector: Array, most: float) -> Array:
+    """Return a vector (3,), shortened to a length where it is longer."""
+    size = float(np.linalg.norm(vector))
+    return vector * (most / size) if size > most else vector
+
+
+@compiled
+def answered(position: Array, velocity: Array, place: Array, feed: Array, push: Array, able: Ability) -> Array:
+    """Return the acceleration (3,) m/s² by which an autopilot answers a setpoint; NaN components are left to it.
+
+    u = push + k_v (feed + k_p (place - position) - velocity), at most what tilt and thrust give. A component that is
+    given an acceleration alone is flown open loop, and one that is given nothing is brought to rest.
+
+    Args:
+        position: (3,) m, of the vehicle
+        velocity: (3,) m/s, of the vehicle
+        place: (3,) m, asked for
+        feed: (3,) m/s, asked for
+        push: (3,) m/s², asked for
+        able: what the vehicle is able to
+    """
+    out = np.empty(3)
+    for k in range(3):
+        pushed = not math.isnan(push[k])
+        out[k] = push[k] if pushed else 0.0
+        if not math.isnan(place[k]) or not math.isnan(feed[k]) or not pushed:
+            goal = 0.0 if math.isnan(feed[k]) else feed[k]
+            if not math.isnan(place[k]):
+                goal += POSITION_GAIN * (place[k] - position[k])
+            out[k] += VELOCITY_GAIN * (goal - velocity[k])
+        out[k] = min(1e6, max(-1e6, out[k]))
+    clip(out, able)
+    return out
+
+
+@compiled
+def clip(asked: Array, able: Ability) -> None:
+    """Shorten an acceleration (3,) m/s² to what an autopilot asks for at most, in place."""
+    side = math.sqrt(asked[0] * asked[0] + asked[1] * asked[1])
+    if side > MOST * able.sideways:
+        asked[0] *= MOST * able.sideways / side
+        asked[1] *= MOST * able.sideways / side
+    most = MOST_VERTICAL * able.vertical
+    asked[2] = min(most, max(-most, asked[2]))
+
+
+def thrust_axis(command: AttitudeSetpoint | RateSetpoint, state: State, ahead: float) -> Array:
+    """Return the unit vector (3,) along which a command turns the thrust within a time (s)."""
+    if isinstance(command, AttitudeSetpoint):
+        return up(command.attitude)
+    angle = command.rate * ahead
+    size = float(np.linalg.norm(angle))
+    turn = np.array([*(angle / max(size, 1e-12) * math.sin(0.5 * size)), math.cos(0.5 * size)])
+    return up(product(state.attitude, turn))
+
+
+def up(attitude: Array) -> Array:
+    """Return the body z axis in the world of a unit quaternion."""
+    x, y, z, w = attitude.tolist()
+    return np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)])
+
+
+def product(a: Array, b: Array) -> Array:
+    """Return the quaternion product a b."""
+    (ax, ay, az, aw), (bx, by, bz, bw) = a.tolist(), b.tolist()
+    return np.array(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ]
+    )
+
+
+def keeps_upright(command: Command, state: State, ahead: float) -> bool:
+    """Return whether a command leaves the thrust where it can be turned against the motion, a time (s) from now."""
+    if isinstance(command, Setpoint):
+        return True
+    return bool(thrust_axis(command, state, ahead)[2] >= UPRIGHT)

@@ -1,0 +1,166 @@
+"""How the motion of a vehicle answers the acceleration asked for: three lags, of attitude, rate and rotors.
+
+On each axis, with the acceleration u asked for,
+
+    dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s,   |j| <= J sideways.
+
+The place q = p + τ₁(v + τ₂(a + τ₃ j)) and the velocity w = v + τ₁(a + τ₂(j + τ₃ s)) are what the vehicle is bound for:
+whatever was asked for before is in them, and they are a double integrator, dq/dt = w and dw/dt = u. At rest q = p.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from crosstrack.compiled import compiled
+from crosstrack.types import GRAVITY, Array, Envelope
+
+STEP = 0.01
+"""s, of the integration"""
+SHORT = 1e-4
+"""s, stands for no lag"""
+GREATEST = 1e3
+"""m/s², stands for a vehicle that turns at once"""
+AGILITY = 0.7
+"""k times the response time: with more, what the two lags leave out makes the vehicle overshoot"""
+
+Motion = Array
+"""(5, 3) position (m), velocity (m/s), acceleration (m/s²), jerk (m/s³) and snap (m/s⁴)"""
+
+
+class Ability(NamedTuple):
+    """What a vehicle brakes with, and how late."""
+
+    sideways: float
+    """m/s², deceleration sideways"""
+    vertical: float
+    """m/s², deceleration up or down"""
+    tilt_time: float
+    """s, τ₁ sideways"""
+    turn_time: float
+    """s, τ₂ sideways"""
+    spin_time: float
+    """s, τ₃ sideways"""
+    lift_time: float
+    """s, τ₁ up and down"""
+    jerk: float
+    """m/s³, J"""
+    late: float
+    """s, age of the state when it is known"""
+    gain: float
+    """1/s, k, the most by which a velocity is brought to rest: the end of braking is in proportion"""
+
+
+def ability(envelope: Envelope, share: float) -> Ability:
+    """Return what is left for braking when only a share of the acceleration is counted on."""
+    sideways, vertical = share * min(envelope.acceleration, GREATEST), share * min(envelope.acceleration_vertical, GREATEST)
+    model, response = envelope.model, max(envelope.response_time, 2 * STEP)
+    gain = AGILITY / response
+    if model is None:
+        return Ability(sideways, vertical, response, SHORT, SHORT, response, math.inf, 0.0, gain)
+    tilt, turn = max(model.attitude_time, 2 * STEP), max(model.rate_time - model.thrust_time, SHORT)
+    late = max(0.0, envelope.response_time - model.attitude_time - model.rate_time)
+    lift = max(model.thrust_time, 2 * STEP)
+    return Ability(sideways, vertical, tilt, turn, max(model.thrust_time, SHORT), lift, model.rate_max * GRAVITY, late, gain)
+
+
+@compiled
+def strength(x: float, y: float, z: float, able: Ability) -> float:
+    """Return the acceleration (m/s²) that there is along a unit vector: the radius of an ellipsoid."""
+    flat, steep = math.sqrt(x * x + y * y) / able.sideways, z / able.vertical
+    return 1.0 / math.sqrt(flat * flat + steep * steep)
+
+
+@compiled
+def lags(k: int, able: Ability) -> tuple[float, float, float]:
+    """Return τ₁, τ₂ and τ₃ (s) of an axis."""
+    if k == 2:
+        return able.lift_time, SHORT, SHORT
+    return able.tilt_time, able.turn_time, able.spin_time
+
+
+@compiled
+def move(motion: Motion, asked: Array, h: float, able: Ability) -> None:
+    """Advance a motion by a step (s) with an acceleration asked for (3,) m/s², in place.
+
+    The innermost lag that is longer than the step is integrated, those within it are taken as done.
+    """
+    sideways = 0.0
+    for k in range(3):
+        first, second, third = lags(k, able)
+        slope = (asked[k] - motion[2, k]) / first
+        if second < h:
+            motion[3, k], motion[4, k] = slope, 0.0
+        else:
+            wanted = (slope - motion[3, k]) / second
+            motion[4, k] += (wanted - motion[4, k]) * (1.0 - math.exp(-h / third))
+            motion[3, k] += motion[4, k] * h
+        if k < 2:
+            sideways += motion[3, k] * motion[3, k]
+    if sideways > able.jerk * able.jerk:
+        scale = able.jerk / math.sqrt(sideways)
+        for k in range(2):
+            motion[3, k] *= scale
+            motion[4, k] = 0.0
+    for k in range(3):
+        a, v = motion[2, k], motion[1, k]
+        motion[2, k] = a + motion[3, k] * h
+        motion[1, k] = v + 0.5 * (a + motion[2, k]) * h
+        motion[0, k] += 0.5 * (v + motion[1, k]) * h
+
+
+@compiled
+def bound_for(motion: Motion, able: Ability, place: Array, velocity: Array) -> None:
+    """Put where (3,) m, q, and how fast (3,) m/s, w, a vehicle is bound into arrays."""
+    for k in range(3):
+        first, second, third = lags(k, able)
+        place[k] = motion[0, k] + first * (motion[1, k] + second * (motion[2, k] + third * motion[3, k]))
+        velocity[k] = motion[1, k] + first * (motion[2, k] + second * (motion[3, k] + third * motion[4, k]))
+
+
+@compiled
+def thrown(acceleration: Array, attitude: Array, rate: Array) -> Array:
+    """Return the jerk (3,) m/s³ of a thrust that turns with the body, T R (ω x e_z), sideways.
+
+    Args:
+        acceleration: (3,) m/s²
+        attitude: (4,) xyzw
+        rate: (3,) rad/s, body
+    """
+    x, y, z, w = attitude[0], attitude[1], attitude[2], attitude[3]
+    thrust = math.sqrt(acceleration[0] ** 2 + acceleration[1] ** 2 + (acceleration[2] + GRAVITY) ** 2)
+    forth, side = rate[1] * thrust, -rate[0] * thrust
+    jerk = np.zeros(3)
+    jerk[0] = (1 - 2 * (y * y + z * z)) * forth + 2 * (x * y - z * w) * side
+    jerk[1] = 2 * (x * y + z * w) * forth + (1 - 2 * (x * x + z * z)) * side
+    return jerk
+
+
+@compiled
+def started(
+    position: Array, velocity: Array, acceleration: Array, jerk: Array, before: Array, asked: Array,
+    period: float, able: Ability,
+) -> Motion:  # fmt: skip
+    """Return the motion now of a state that is `late` (s) and whose acceleration is the mean of the period before.
+
+    Args:
+        position: (3,) m
+        velocity: (3,) m/s
+        acceleration: (3,) m/s²
+        jerk: (3,) m/s³
+        before: (3,) m/s³, the jerk a period before; NaN where not known
+        asked: (3,) m/s², asked for since the state was true
+        period: s
+        able: how late it is, and its lags
+    """
+    motion = np.empty((5, 3))
+    for k in range(3):
+        motion[0, k], motion[1, k], motion[3, k] = position[k], velocity[k], jerk[k]
+        known = not math.isnan(before[k])
+        motion[2, k] = acceleration[k] + 0.25 * period * (jerk[k] + (before[k] if known else jerk[k]))
+        motion[4, k] = (jerk[k] - before[k]) / period if known else 0.0
+    steps = math.ceil(able.late / STEP - 1e-9)
+    for _ in range(steps):
+        move(motion, asked, able.late / steps, able)
+    return motion

@@ -1,0 +1,156 @@
+"""Planning again in flight: when the course is no good any more, and from where to where."""
+
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from crosstrack.errors import Infeasible, Unreachable
+from crosstrack.flight.plan import Plan, Replanning
+from crosstrack.path.pace import course_of
+from crosstrack.protocols import Course, Memory, Surroundings
+from crosstrack.types import Array, State
+
+AHEAD = 12.0
+"""m of the course that are watched for obstacles"""
+SPACING = 0.05
+"""m, between the points of the course that are checked: between two of them it is 1.3 mm nearer, 0.25 m away"""
+ADRIFT = 0.5
+"""m, from where the trajectory is by then, beyond which it is not what is flown any more"""
+TRAPPED = 2.0
+"""s, with less than LITTLE of the progress planned, while something keeps the vehicle from it"""
+LITTLE = 0.2
+"""of the progress planned"""
+PAUSE = 0.5
+"""s, at least between two plans that lead nowhere new"""
+NEAR = 0.05
+"""m, from a waypoint, that counts as there"""
+
+
+@dataclass
+class Navigator:
+    """Where one vehicle is to go, and by what course."""
+
+    plan: Plan
+    course: Course = field(init=False)
+    """the present one"""
+    began: float = field(init=False)
+    """s, when it began"""
+    pending: list[tuple[float, Array]] = field(init=False)
+    """arc length on the course (m) and place (3,) m of every waypoint that may still be ahead, the goal the last"""
+    planning_time: float = field(init=False)
+    """s of the machine, for all plans"""
+    mark: tuple[float, float] = field(init=False)
+    """progress (m) that counted last, and when (s)"""
+
+    def __post_init__(self) -> None:
+        self.planning_time = self.plan.planning_time
+
+    def take(self, course: Course, waypoints: Array, now: float) -> None:
+        """Go by a course through waypoints (n, 3) m, from now on."""
+        self.course, self.began, self.mark = course, now, (course.entry, now)
+        self.pending = list(zip(passed_at(course, waypoints), waypoints, strict=True))
+
+    def remaining(self, progress: float) -> Array:
+        """Return the waypoints (n, 3) m beyond a progress (m), at least the goal."""
+        ahead = [point for s, point in self.pending[:-1] if s > progress]
+        return np.array([*ahead, self.pending[-1][1]])
+
+    def again(self, state: State, around: Surroundings, memory: Memory, held: bool) -> Course | None:
+        """Return a new course where the present one is no good any more, None where it is.
+
+        Args:
+            state: as estimated
+            around: what is known now
+            memory: of the tracker
+            held: whether something kept the vehicle from what the tracker asked for
+
+        Raises:
+            Unreachable: there is no way to the goal.
+        """
+        replanning = self.plan.replanning
+        if replanning is None or not self.due(replanning, state, around, memory.progress, held):
+            return None
+        waypoints = self.remaining(memory.progress)
+        began = time.perf_counter()
+        try:
+            course = self.planned(replanning, state, around, waypoints)
+        except Unreachable:
+            raise
+        except Infeasible:  # from this motion: the chain of avoiders brakes, and the next plan begins slower
+            self.mark = (memory.progress, state.time)
+            return None
+        finally:
+            self.planning_time += time.perf_counter() - began
+        self.take(course, waypoints, state.time)
+        return course
+
+    def due(self, replanning: Replanning, state: State, around: Surroundings, progress: float, held: bool) -> bool:
+        """Return whether it is time for a new course."""
+        if self.trapped(state.time, progress, held):
+            return True
+        if not replanning.blocked:
+            return False
+        if state.time - self.began > PAUSE and (self.adrift(state) or self.short(state.time)):
+            return True
+        return bool(around.scans) and self.blocked(around, progress)
+
+    def trapped(self, now: float, progress: float, held: bool) -> bool:
+        """Return whether the vehicle is held back and has long made next to no progress."""
+        gained, since = progress - self.mark[0], now - self.mark[1]
+        usual = self.course.path.length / self.course.speed.duration
+        if not held or gained > LITTLE * usual * TRAPPED:
+            self.mark = (progress, now)
+        return since > TRAPPED
+
+    def adrift(self, state: State) -> bool:
+        """Return whether the vehicle is far from where its trajectory is by now."""
+        trajectory = self.course.trajectory
+        if trajectory is None:
+            return False
+        return float(np.linalg.norm(trajectory(state.time - self.began) - state.position)) > ADRIFT
+
+    def short(self, now: float) -> bool:
+        """Return whether the course ends before the goal, and that end is near in time."""
+        trajectory, goal = self.course.trajectory, self.pending[-1][1]
+        if trajectory is None or now - self.began < trajectory.duration / 2:
+            return False
+        return float(np.linalg.norm(trajectory(trajectory.duration) - goal)) > NEAR
+
+    def blocked(self, around: Surroundings, progress: float) -> bool:
+        """Return whether the course ahead leads nearer to an obstacle than the vehicle may come."""
+        path = self.course.path
+        end = min(path.length, progress + AHEAD)
+        along = np.linspace(progress, end, max(2, int((end - progress) / SPACING)))
+        return bool((around.obstacles.distance(path(along)) < self.course.envelope.radius).any())
+
+    def planned(self, replanning: Replanning, state: State, around: Surroundings, waypoints: Array) -> Course:
+        """Return the course from here through waypoints (n, 3) m."""
+        position, motion = self.now(state)
+        task = replace(
+            replanning.task,
+            waypoints=np.concatenate([position[None], waypoints]),
+            motion=motion,
+            world=around.obstacles,
+        )
+        course = course_of(replanning.planner.plan(task), self.course.envelope)
+        return replace(course, corners=task.waypoints)
+
+    def now(self, state: State) -> tuple[Array, Array]:
+        """Return position (3,) and velocity and acceleration (2, 3) to go on from.
+
+        Those of the present trajectory where it is followed, so that the new one goes on smoothly.
+        """
+        trajectory, t = self.course.trajectory, state.time - self.began
+        if trajectory is None or self.adrift(state):
+            return state.position, np.array([state.velocity, np.zeros(3)])
+        return trajectory(t), np.array([trajectory(t, 1), trajectory(t, 2)])
+
+
+def passed_at(course: Course, waypoints: Array) -> list[float]:
+    """Return the arc length (m) at which a course passes each of some waypoints (n, 3) m, in their order."""
+    found, s = [], course.entry
+    for point in waypoints:
+        s = course.path.project(point, s, course.path.length - s)
+        found.append(s)
+    return found

@@ -1,0 +1,124 @@
+"""A way of its own through what is in the way, and a trajectory along it: for goals in place of routes."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosstrack.errors import Unreachable
+from crosstrack.plan.auto_fit import Free, at_rest, fitted
+from crosstrack.plan.auto_stop import after, braking, settled, stop_and_go
+from crosstrack.plan.facing import Look, facing
+from crosstrack.protocols import Map, PlanningTask, Trajectory
+from crosstrack.search.taut import direct, length
+from crosstrack.search.way import find_way
+from crosstrack.trajectory.limits import MotionLimits
+from crosstrack.trajectory.polynomial import PiecewisePolynomial
+from crosstrack.types import Array, NonNegative, Positive
+
+EDGE = 0.05
+"""m, that a plan keeps from the bounds"""
+CLOSER = 0.01
+"""m, by which the legs that a trajectory goes along may be closer to obstacles than the way"""
+NEAR = 0.05
+"""m, a way too short to be one"""
+STRONGEST = 10.0
+"""m/s², planned with for a vehicle that turns at once"""
+
+
+@dataclass(frozen=True)
+class Auto:
+    """Find the way, and fly it on a trajectory of minimum jerk inside polytopes of free space."""
+
+    margin: NonNegative = 0.05
+    """m, of clearance beyond the radius of the vehicle: for what the flight is off the plan"""
+    reach: Positive = 0.8
+    """m, beside the way, within which the trajectory heeds obstacles from the start; others when it comes near them"""
+    yaw: Look = "fixed"
+    """fixed: as at the start; velocity: where it flies"""
+
+    names: ClassVar[tuple[str, ...]] = ()
+    replans: ClassVar[bool] = True
+
+    def allowed(self, tolerance: float) -> None:
+        """Allow any deviation from the straight legs."""
+
+    def plan(self, task: PlanningTask) -> Trajectory:
+        """Return the trajectory with its yaw; it begins with the motion of the task and ends at rest.
+
+        Raises:
+            Unreachable: obstacles leave no way.
+        """
+        return facing(self.curve(task), self.yaw)
+
+    def curve(self, task: PlanningTask) -> PiecewisePolynomial:
+        """Return the trajectory.
+
+        Raises:
+            Unreachable: obstacles leave no way.
+        """
+        limits, start = limits_of(task), task.waypoints[0]
+        free = Free(task.world, task.radius + self.margin, self.reach, room(task.world, task.radius), limits)
+        way, through = self.way(task, free.box)
+        if length(way) < NEAR:
+            return settled(start, task.motion, task.waypoints[-1], limits)
+        found = fitted(free, way, through, task.motion)
+        if found is not None:
+            return found
+        if at_rest(task.motion):
+            return stop_and_go(way, limits)
+        stop = braking(task.world, start, task.motion, free.clearance, limits)
+        return after(stop, self.curve(rested(task, stop(stop.duration))))
+
+    def way(self, task: PlanningTask, box: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the way (n, 3) m through the waypoints, and which of its points they are (n,).
+
+        Where the margin leaves none, a quarter of it must do.
+
+        Raises:
+            Unreachable: obstacles leave no way.
+        """
+        try:
+            return ways(task.world, task.waypoints, task.radius + self.margin, box)
+        except Unreachable:
+            return ways(task.world, task.waypoints, task.radius + 0.25 * self.margin, box)
+
+
+def limits_of(task: PlanningTask) -> MotionLimits:
+    """Return the limits of a task, finite."""
+    envelope = task.envelope
+    return MotionLimits(
+        speed=task.speed,
+        speed_vertical=envelope.speed_vertical,
+        acceleration=min(envelope.acceleration, STRONGEST),
+        acceleration_vertical=min(envelope.acceleration_vertical, STRONGEST),
+    )
+
+
+def rested(task: PlanningTask, position: Array) -> PlanningTask:
+    """Return what is left of a task at rest at a position (3,) m."""
+    from dataclasses import replace
+
+    waypoints = np.concatenate([position[None], task.waypoints[1:]])
+    return replace(task, waypoints=waypoints, motion=np.zeros((2, 3)))
+
+
+def room(world: Map, radius: float) -> Array:
+    """Return the lowest and highest corner of the space that may be flown, (2, 3) m, infinite where it is open."""
+    box = np.array([[-np.inf] * 3, [np.inf] * 3])
+    if world.bounds is not None:
+        box = world.bounds + np.array([[EDGE], [-EDGE]])
+    box[0, 2] = max(box[0, 2], world.ground + radius + EDGE)
+    return box
+
+
+def ways(world: Map, waypoints: Array, clearance: float, box: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the way (n, 3) m through waypoints (k, 3) m, with few legs, and which of its points they are (n,)."""
+    points, through = [waypoints[:1]], [False]
+    for start, goal in pairwise(waypoints):
+        way = direct(world, find_way(world, start, goal, clearance, box), clearance - CLOSER)
+        points.append(way[1:])
+        through += [False] * (len(way) - 2) + [True]
+    return np.concatenate(points), np.array(through)
