@@ -16,6 +16,7 @@ from crosstrack.mission import Mission, load, schema
 from crosstrack.mission.check import remarks
 from crosstrack.mission.flying import fly
 from crosstrack.types import Outcome
+from crosstrack.world.world import World
 
 FOLDER = Path(__file__).parents[1] / "examples"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.yaml"))
@@ -151,11 +152,25 @@ def test_rooms_stay_clear_of_the_walls_of_the_picture() -> None:
     assert flown("rooms")["min_clearance_m"] > plan.vehicle.radius
 
 
-def test_the_demo_takes_off_flies_over_roofs_and_stays_clear() -> None:
-    mission = example("demo")
+def test_the_demo_finds_its_way_past_what_is_on_no_map() -> None:
+    plan = example("demo").build()
+    assert plan.told is not None
+    hidden = np.array([[11.5, 9.6, 1.5], [20.2, 9, 1.5], [30, 10.3, 1.5]])
+    assert (plan.scenario.world.distance(hidden) < 0).all()
+    assert (plan.told.distance(hidden) > 0).all()
+    flight, found = flight_of("demo"), flown("demo")
+    assert found["replans"] >= 1
+    assert found["min_clearance_m"] >= plan.vehicle.radius
+    unmapped = [shape for shape in plan.scenario.world.shapes if shape not in plan.told.shapes]
+    assert len(unmapped) == 3
+    assert (np.abs(World(tuple(unmapped)).distance(flight.seen)) < 0.02).sum() > 100
+
+
+def test_the_city_flight_takes_off_flies_over_roofs_and_stays_clear() -> None:
+    mission = example("city")
     plan = mission.build()
     assert plan.scenario.position.tolist() == [0, 0, 0]
     roofs = plan.scenario.world.distance(np.array([[12.5, 37.5, 5], [62.5, 37.5, 5], [87.5, 87.5, 5]]))
     assert (roofs < 0).all()
-    assert flown("demo")["min_clearance_m"] > plan.vehicle.radius
-    assert flight_of("demo").outcome is Outcome.ARRIVED
+    assert flown("city")["min_clearance_m"] > plan.vehicle.radius
+    assert flight_of("city").outcome is Outcome.ARRIVED

@@ -41,6 +41,8 @@ BUILT_IN: dict[str, dict[str, str]] = {
     },
     "avoider": {
         "potential": "crosstrack.avoid.potential:Potential",
+        "orca": "crosstrack.avoid.orca:Orca",
+        "formation": "crosstrack.avoid.formation:Formation",
         "safety": "crosstrack.avoid.safety:Safety",
     },
     "sensor": {

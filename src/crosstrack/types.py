@@ -184,7 +184,7 @@ class Outcome(Enum):
     ARRIVED = "Arrived at the last waypoint."
     COLLIDED = "Collided: the clearance fell below the vehicle's radius, or it hit the ground too hard."
     TIMED_OUT = "Ran out of time before the last waypoint."
-    STUCK = "Made no progress along the path: the wind is above its speed, or a turn tighter than it can fly."
+    STUCK = "Made no progress along the path: obstacles, wind above its speed, or a turn tighter than it can fly."
     LEFT_BOUNDS = "Left the bounds of the world."
     LOST_CONTROL = "Lost control: the vehicle turned over, or its state is no longer finite."
     UNREACHABLE = "There is no way to the goal: obstacles enclose it, or leave no gap wide enough."

@@ -14,9 +14,11 @@ from crosstrack.world.generate import Forest
 from crosstrack.world.shapes import Box, Sphere
 from crosstrack.world.world import World
 
-SENSORS = [(name, options) for name in registry.names("sensor") for options in ({}, {"position": (0.3, -0.1, 0.2)})]
-SENSORS += [(name, {"yaw_deg": 70.0, "pitch_deg": -25.0}) for name in registry.names("sensor")]
-WORLD = World((*Forest(seed=5, size=(16, 16, 4), density=0.15).shapes(), Sphere((8, 9, 5), 1), Box((3, 3, 0), (5, 4, 6))))
+MOUNTS: list[dict[str, Any]] = [{}, {"position": (0.3, -0.1, 0.2)}, {"yaw_deg": 70.0, "pitch_deg": -25.0}]
+SENSORS = [(name, mount) for name in registry.names("sensor") for mount in MOUNTS]
+WORLD = World(
+    (*Forest(seed=5, size=(16, 16, 4), density=0.15).shapes(), Sphere((8, 9, 5), 1), Box((3, 3, 0), (5, 4, 6)))
+)
 
 
 def turned(attitude: Array, vectors: Array) -> Array:
@@ -82,7 +84,9 @@ class TestSensor:
 
     def test_dropouts_measure_nothing(self, kind: str, options: dict[str, Any]) -> None:
         sensor = registry.find("sensor", kind)(**{**options, "dropouts": 0.2})
-        assert not np.isnan(replace(sensor, dropouts=0.0).look(WORLD, somewhere(1), np.random.default_rng(1)).ranges).any()
+        assert not np.isnan(
+            replace(sensor, dropouts=0.0).look(WORLD, somewhere(1), np.random.default_rng(1)).ranges
+        ).any()
         random = np.random.default_rng(1)
         seen = [sensor.look(WORLD, somewhere(1), random).ranges for _ in range(1 + 4000 // len(sensor.directions))]
         assert np.isnan(seen).mean() == pytest.approx(0.2, abs=0.04)

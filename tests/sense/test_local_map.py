@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from crosstrack.sense.depth_camera import DepthCamera
@@ -74,7 +75,7 @@ def test_distances_are_those_to_the_points_held(seed: int, count: int, spread: f
 
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 10_000), cell=st.floats(0.1, 0.5), reach=st.floats(0.3, 3.0))
-def test_a_field_is_the_distance_within_part_of_a_cell(seed: int, cell: float, reach: float) -> None:
+def test_a_field_is_the_distance_at_the_points_of_a_lattice(seed: int, cell: float, reach: float) -> None:
     rng = np.random.default_rng(seed)
     local = LocalMap(20.0, 0.1, World(ground=-99))
     local.add(*scattered(rng.uniform(-5, 5, size=(int(rng.integers(2, 2000)), 3))))
@@ -84,10 +85,7 @@ def test_a_field_is_the_distance_within_part_of_a_cell(seed: int, cell: float, r
     assert field.shape == counts
     assert field.dtype == np.float32
     lattice = low + cell * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
-    over = field - np.minimum(local.distance(lattice), reach)
-    assert over.min() > -1e-5
-    assert over.max() < 1.0 * cell
-    assert np.mean(over) < 0.03 * cell
+    np.testing.assert_allclose(field, np.minimum(local.distance(lattice), reach), atol=2e-5)
 
 
 def test_the_window_moves_and_forgets() -> None:
@@ -105,19 +103,30 @@ def test_the_window_moves_and_forgets() -> None:
         np.testing.assert_allclose(local.distance(asked), np.minimum(cKDTree(held).query(asked)[0], 5.0), atol=1e-9)
 
 
+def seen_well(world: World, position: Array, points: Array, distance: Array) -> NDArray[np.bool_]:
+    """Return whether the nearest surface to points is in view from a position: in front, not slanted, not hidden."""
+    normal = world.gradient(points)
+    surface = points - distance[:, None] * normal
+    sight = position - surface
+    far = np.linalg.norm(sight, axis=1)
+    clear = np.array([world.swept(position, spot) > -1e-6 for spot in surface + 0.01 * normal])
+    facing = np.sum(sight * normal, axis=1) > 0.3 * far
+    seen: NDArray[np.bool_] = clear & facing & (np.abs(sight[:, 2]) < 0.4 * far)
+    return seen
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_was_seen_is_never_farther_than_it_is(seed: int) -> None:
     world = World(Forest(seed=seed, size=(24, 12, 3), density=0.3, radius=(0.2, 0.5), clear=((2, 6),)).shapes())
     random = np.random.default_rng(seed)
     local, position, checked = LocalMap.around([LIDAR], World()), np.array([2.0, 6.0, 1.5]), 0
     worst = -np.inf
-    for i in range(80):
+    for i in range(60):
         state = at(position, 0.1 * i, 0.3 * np.sin(0.5 * i), 0.15 * np.sin(0.9 * i))
         local.add(LIDAR.look(world, state, random), state)
-        near = position + random.uniform(-1, 1, size=(300, 3)) * [1.0, 1.0, 0.4]
-        seen = np.array([world.swept(position, point) > 0.15 for point in near])
+        near = position + random.uniform(-1, 1, size=(150, 3)) * [1.0, 1.0, 0.4]
         true = world.distance(near)
-        ask = seen & (true >= local.clearance) & (true < 0.6)
+        ask = seen_well(world, position, near, true) & (true >= local.clearance) & (true < 0.6)
         if i > 15 and ask.any():
             worst = max(worst, float((local.distance(near[ask]) - true[ask]).max()))
             checked += int(ask.sum())
@@ -136,7 +145,7 @@ def test_a_thin_wall_stays_shut(noise: float) -> None:
         local = flown(world, route[0], route[1], 40, lidar)
         across = rng.uniform([5, -2.5, 0.5], [5.5, 2.5, 2.5], size=(200, 3))
         beyond = across + rng.uniform([1.5, -0.5, -0.3], [2.0, 0.5, 0.3], size=(200, 3))
-        assert max(local.swept(a, b) for a, b in zip(across, beyond, strict=True)) < 0.1
+        assert max(local.swept(a, b) for a, b in zip(across, beyond, strict=True)) < 0.2
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])

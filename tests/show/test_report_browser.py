@@ -11,6 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 import pytest
+from encounters import MOVERS, meeting
 
 from crosstrack.flight.flight import Flight
 from crosstrack.mission import loads
@@ -205,6 +206,29 @@ def test_several_flights_work_in_a_browser(fly_square: Callable[..., Flight], br
     seen, record = browser.run(SLIDE), flights[1].record
     row = np.searchsorted(record.time, seen["cursor"], side="right") - 1
     np.testing.assert_allclose(seen["mark"], record.position[row, :2], atol=1e-4)
+    assert browser.run(COLOURS) > 200
+    assert browser.run(CUT_OFF) == [[], False]
+    check_quiet(browser, path)
+
+
+MET = """
+const mover = (plot) => byId(plot).data.filter((trace) => trace.meta === "mover").map((trace) => Array.from(trace.x));
+const before = [mover("space"), mover("plan")];
+const seen = look();
+SLIDE
+return [before, [mover("space"), mover("plan")], look().cursor];
+""".replace("SLIDE", SLIDE.replace("return look();", ""))
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium")
+def test_moving_obstacles_move_with_the_slider_in_a_browser(flight: Flight, browser: Browser, tmp_path: Path) -> None:
+    path = report([meeting(flight)], tmp_path / "a.html")
+    visit(browser, path)
+    before, after, now = browser.run(MET)
+    for first, second in zip(before, after, strict=True):
+        for mover, early, late in zip(MOVERS, first, second, strict=True):
+            np.testing.assert_allclose(np.subtract(late, early), mover.shift(now)[0], atol=1e-3)
     assert browser.run(COLOURS) > 200
     assert browser.run(CUT_OFF) == [[], False]
     check_quiet(browser, path)

@@ -100,7 +100,10 @@ def test_a_way_through_one_cell_wide_is_seen_through() -> None:
 def test_rays_start_inside_at_zero() -> None:
     grids = (Relief(np.ones((3, 3), dtype=bool), (20.0, 0.0), 1.0, (0.0, 3.0)),)
     cube = Voxels(np.ones((3, 3, 3), dtype=bool), (30.0, 0.0, 0.0), 1.0)
-    inside = {(0.5, 0.5, 0.5): Box((0, 0, 0), (1, 1, 1)), (5, 0, 1): Cylinder((5, 0), 1, (0, 2))}
+    inside: dict[tuple[float, float, float], Shape] = {
+        (0.5, 0.5, 0.5): Box((0, 0, 0), (1, 1, 1)),
+        (5, 0, 1): Cylinder((5, 0), 1, (0, 2)),
+    }
     inside |= {(9, 0, 0): Sphere((9, 0, 0), 1), (14, 1, 1): Prism(((13, 0), (16, 0), (13, 3)), (0, 2))}
     world = World(tuple(inside.values()), (*grids, cube))
     for origin in (*inside, (21.5, 1.5, 1.0), (31.5, 1.5, 1.5)):
@@ -156,7 +159,9 @@ def test_sectors_do_not_change_what_is_hit(count: int) -> None:
     world = World(Forest(seed=3, size=(30, 30, 3), density=0.3).shapes())
     origin, d = np.array([14.2, 15.1, 1.5]), rays(20_000, 4)
     together = world.cast(origin, d, 12.0)
-    parts = np.concatenate([world.cast(origin, d[i : i + count], 12.0) for i in range(0, min(len(d), 60 * count), count)])
+    parts = np.concatenate(
+        [world.cast(origin, d[i : i + count], 12.0) for i in range(0, min(len(d), 60 * count), count)]
+    )
     np.testing.assert_array_equal(parts, together[: len(parts)])
 
 

@@ -38,9 +38,10 @@ def put(planes: Array, k: int, nx: float, ny: float, nz: float, bound: float) ->
 
 @compiled
 def put_limits(planes: Array, k: int, wanted: Array, rule: Rule) -> int:
-    """Write the half-spaces of what may be flown: a polygon of speeds with a corner at the heading, and a band of climbs.
+    """Write the half-spaces of what may be flown: a polygon of speeds, and a band of climbs.
 
-    Climbing as asked for may always be stopped, and is left by no more than the rule says.
+    The polygon has a corner at the heading wanted. A climb asked for may always be stopped, and
+    is left by no more than the rule says.
     """
     _, _, _, speed, climb = rule
     heading, bound = math.atan2(wanted[1], wanted[0]), -speed * math.cos(math.pi / SIDES)
@@ -57,7 +58,7 @@ def put_walls(planes: Array, k: int, walls: Array, horizon: float) -> int:
     """Write the half-spaces of what stands still: towards it no faster than the gap over the horizon."""
     for i in range(walls.shape[0]):
         put(planes, k + i, walls[i, 0], walls[i, 1], walls[i, 2], -max(0.0, walls[i, 3]) / horizon)
-    return k + walls.shape[0]
+    return k + len(walls)
 
 
 @compiled
@@ -103,14 +104,15 @@ def turned(wanted: Array, angle: float) -> Triple:
 
 @compiled
 def barred_by(planes: Array, wanted: Array) -> float:
-    """Return how much of a velocity half-spaces forbid, from 0 to 1: of its length, where they are kept nearest to it."""
+    """Return how much of a velocity half-spaces forbid, from 0 to 1, all where they leave none."""
     square = wanted[0] ** 2 + wanted[1] ** 2 + wanted[2] ** 2
     if square < SLOW * SLOW:
         return 0.0
     found, x, y, z = nearest(planes, (wanted[0], wanted[1], wanted[2]))
     if not found:
         return 1.0
-    return 1.0 - min(1.0, max(0.0, (x * wanted[0] + y * wanted[1] + z * wanted[2]) / square))
+    kept = (x * wanted[0] + y * wanted[1] + z * wanted[2]) / square
+    return 1.0 - min(1.0, max(0.0, float(kept)))
 
 
 @compiled

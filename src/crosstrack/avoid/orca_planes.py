@@ -1,9 +1,9 @@
 """Half-spaces of velocities that keep a vehicle clear of what moves: optimal reciprocal collision avoidance in 3-D.
 
-Two balls at a distance p, with radii that add up to R, touch within a time τ exactly when their relative velocity lies in
-the velocity obstacle: the cone of half-angle α, sin α = R / |p|, around p, cut off by the ball of radius R/τ around p/τ.
-With u the shortest change of the relative velocity that takes it to the boundary, and n the normal there, one that takes
-the share s of the change keeps to n·v >= n·(own + s u) (van den Berg, Guy, Lin, Manocha 2011).
+Two balls at a distance p, with radii that add up to R, touch within a time τ exactly when their relative velocity lies
+in the velocity obstacle: the cone of half-angle α, sin α = R / |p|, around p, cut off by the ball of radius R/τ around
+p/τ. With u the shortest change of the relative velocity that takes it to the boundary, and n the normal there, one that
+takes the share s of the change keeps to n·v >= n·(own + s u) (van den Berg, Guy, Lin, Manocha 2011).
 """
 
 import math
@@ -26,18 +26,13 @@ def sideways(ex: float, ey: float, ez: float) -> tuple[float, float, float]:
 
 
 @compiled
-def apart(
-    px: float, py: float, pz: float, vx: float, vy: float, vz: float, radius: float, horizon: float
-) -> Plane:
+def apart(px: float, py: float, pz: float, vx: float, vy: float, vz: float, radius: float, horizon: float) -> Plane:
     """Return where the relative velocity lies in respect to the velocity obstacle of a ball that is not touched.
 
     Of one that points straight at the ball the nearest boundary is on every side: it is taken to the right.
 
-    Args:
-        px, py, pz: m, to the ball
-        vx, vy, vz: m/s, own velocity less that of the ball
-        radius: m, sum of the radii, below the distance
-        horizon: s, τ
+    p is the way to the ball (m), v the own velocity less that of the ball (m/s), `radius` the sum of the radii (m),
+    below the distance, and `horizon` τ (s).
     """
     distance = math.sqrt(px * px + py * py + pz * pz)
     ex, ey, ez = px / distance, py / distance, pz / distance
@@ -67,14 +62,7 @@ def excess(
     """Return the boundary of the velocity obstacle of a ball nearest to a relative velocity.
 
     Nearer than the radius, which holds a margin, the ball must not come closer, and the margin is regained over the
-    horizon; where even `touch` is undercut, four times as fast.
-
-    Args:
-        px, py, pz: m, to the ball
-        vx, vy, vz: m/s, own velocity less that of the ball
-        touch: m, sum of the radii
-        radius: m, the same with a margin
-        horizon: s
+    horizon; where even the sum of the radii, `touch`, is undercut, four times as fast. For the others see `apart`.
     """
     distance = math.sqrt(px * px + py * py + pz * pz)
     if distance > radius:

@@ -28,6 +28,8 @@ ACCELERATION_MOST = 50.0
 """m/s², of a vehicle that turns at once"""
 SLOWEST = 0.5
 """m/s, that the field moves a vehicle with that is asked to stand"""
+FLANK = 4
+"""power of the cosine by which a point on the flank of an obstacle repels less"""
 UNCHANGED = 1e-3
 """m/s, change of the velocity that is none"""
 SURE = 0.05
@@ -84,11 +86,11 @@ class Potential:
 
     guards = False
 
-    repulsion: NonNegative = 1.0
+    repulsion: NonNegative = 0.4
     """m⁴/s² without a factor, η"""
     influence: Positive = 1.5
     """m, Q, the gap from which obstacles count, beside the way to brake"""
-    margin: NonNegative = 0.15
+    margin: NonNegative = 0.1
     """m, kept free beyond the radius of the vehicle"""
     factor: Factor = "vehicle"
     """what repulsions are multiplied by a power of: `obstacle`, of the distance from the goal to the obstacle;
@@ -178,7 +180,7 @@ class Potential:
         envelope = memory.course.envelope
         ability, speed = able(envelope), max(norm(asked), SLOWEST)
         near, approach = self.surrounded(around, state, speed, envelope)
-        felt = Near(near.gaps[near.gaps < self.influence], near.away[near.gaps < self.influence])
+        felt = near.within(self.influence)
         wanted, memory = self.deflected(memory, asked, felt, state, around, speed, duration)
         wanted = asked + memory.change + limited(wanted - asked - memory.change, ability.turning * duration)
         if norm(wanted - asked) <= UNCHANGED and len(near.gaps) == 0:
@@ -204,9 +206,9 @@ class Potential:
         """Return the velocity (3,) m/s that attraction and repulsion give, and the new memory."""
         course, escaping = memory.course, memory.escaping
         way = course.path(course.path.length) - state.position
-        pushes = repulsions(way, near.gaps, near.away, self.terms.numbers)[:, 1:]
+        pushes = near.facing[:, None] ** FLANK * repulsions(way, near.gaps, near.away, self.terms.numbers)[:, 1:]
         strength = self.terms.strengthened(norm(way), speed, escaping.closing)
-        pushes = course.envelope.response_time / strength * pushes
+        pushes = each_limited(course.envelope.response_time / strength * pushes, speed)
         push = pushes.sum(axis=0)
         at = Situation(
             position=state.position,
@@ -241,10 +243,11 @@ class Potential:
         reach = thickness + max(self.influence, flown * delay + 0.5 * flown**2 / braking)
         still = near_map(around.obstacles, state.position, reach)
         moving, velocity = near_others(around.others, state.position, reach)
-        near = Near(np.append(still.gaps, moving.gaps), np.concatenate([still.away, moving.away]))
+        gaps, away = np.append(still.gaps, moving.gaps), np.concatenate([still.away, moving.away])
+        faced = np.append(still.facing, moving.facing)
         approach = np.append(np.zeros(len(still.gaps)), (velocity * moving.away).sum(axis=1))
-        order = np.argsort(near.gaps, kind="stable")
-        return Near(near.gaps[order], near.away[order]).grown(thickness), approach[order]
+        order = np.argsort(gaps, kind="stable")
+        return Near(gaps[order], away[order], faced[order]).grown(thickness), approach[order]
 
 
 @dataclass(frozen=True)
@@ -275,6 +278,12 @@ def clear(around: Surroundings, thickness: float) -> Clear:
         return np.where(inside, world.distance(points) - thickness, -np.inf)
 
     return room
+
+
+def each_limited(pushes: Array, most: float) -> Array:
+    """Return pushes (n, 3), each shortened to a length where it is longer."""
+    length = np.linalg.norm(pushes, axis=1, keepdims=True)
+    return pushes * np.minimum(1.0, most / np.maximum(length, most))
 
 
 def attracted(command: Setpoint, state: State, envelope: Envelope) -> Array:

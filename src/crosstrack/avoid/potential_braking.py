@@ -6,8 +6,11 @@ from crosstrack.compiled import compiled
 from crosstrack.types import Array
 from crosstrack.vectors import dot
 
-ROUNDS = 4
-"""times that all obstacles are gone through: what one takes away may be an approach to another"""
+ROUNDS = 12
+"""at most, times that all obstacles are gone through: what one takes away may be an approach to another"""
+
+SLACK = 0.02
+"""m/s, of approach that is left where there are obstacles all around"""
 
 
 @compiled
@@ -55,6 +58,6 @@ def held_back(velocity: Array, gaps: Array, away: Array, approach: Array, brakin
     for i in range(len(gaps)):
         closing = -dot(out, away[i])
         most = allowed(gaps[i], braking, delay) - approach[i]
-        if approach[i] <= 0.0 and closing > most:
-            share = min(share, most / closing)
+        if approach[i] <= 0.0 and closing > most + SLACK:
+            share = min(share, (most + SLACK) / closing)
     return share * out

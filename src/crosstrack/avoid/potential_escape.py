@@ -21,7 +21,11 @@ HEAD_ON = 0.1
 NARROW = 0.5
 """of the gap held while an obstacle is followed: nearer than this, what is ahead is followed next"""
 NEARER = 0.5
-"""of that gap: by how much nearer to the goal than it began a way around must end"""
+"""of that gap: by how much nearer to the goal than it began a way around must lead"""
+LOOK = 24
+"""points along the attraction that are looked at for room, the gap held apart"""
+BLOCKS = -0.5
+"""cosine between the way along an obstacle and the direction away from another that is in the way"""
 ROUND = 10.0
 """of that gap: the way after which the place where it began counts as come back to"""
 
@@ -45,12 +49,12 @@ class Escape:
 
     each at most 1. So n x t, the axis of the rotation, is that of a trunk, or the direction of a beam, where that is
     the short way around. `left` and `right` turn counter-clockwise and clockwise about the vertical.
-    With `keep`, a vehicle that is still held up follows the obstacle on that side, at a gap, until the goal is nearer
-    than where that began. `walk` flies in a random direction for a while instead.
+    With `keep`, a vehicle that is still held up follows the obstacle on that side, at a gap, until the free way towards
+    the goal leads nearer to it than where that began. `walk` flies in a random direction for a while instead.
 
     Sources: Li 2020 (ICAICE), the rotation; the sides, the third dimension and what is kept are this library's own,
-    the last after Lumelsky and Stepanov 1987 (Algorithmica 2), who show that in the plane it finds the way out if there
-    is one.
+    the last after Kamon and Rivlin 1997 (IEEE Trans. Robotics and Automation 13(6), DistBug), who show that in the
+    plane it finds the way out if there is one.
     """
 
     kind: Literal["none", "rotate", "walk"] = "none"
@@ -212,7 +216,7 @@ def followed(escape: Escape, memory: Escaping, at: Situation, duration: float) -
         return memory.freed(at.speed)
     index = continued(memory.axis, memory.foot, at.position, at.near.gaps, at.near.away, NARROW * at.held)
     away = at.near.away[index]
-    if memory.remaining < memory.least - NEARER * at.held and at.way @ away >= 0:
+    if at.way @ away >= 0 and memory.remaining - free_way(at) < memory.least - NEARER * at.held:
         return memory.freed(at.speed)
     if norm(np.cross(memory.axis, away)) < FLAT:
         memory = replace(memory, axis=axis_around(escape, at))
@@ -226,6 +230,13 @@ def followed(escape: Escape, memory: Escaping, at: Situation, duration: float) -
     if back or at.clear(ahead[None])[0] == -math.inf:
         return replace(memory, axis=-memory.axis, travelled=0.0, turned=True)
     return memory
+
+
+def free_way(at: Situation) -> float:
+    """Return how far (m) there is room along the attraction."""
+    steps = at.held * np.arange(1, LOOK + 1)
+    blocked = at.clear(at.position + steps[:, None] * at.way) < 0
+    return float(at.held * (np.argmax(blocked) if blocked.any() else LOOK))
 
 
 def walked(
@@ -264,7 +275,7 @@ def continued(axis: Array, foot: Array, position: Array, gaps: Array, away: Arra
         along = cross(axis, away[index])
         ahead, worst = index, 0.0
         for i in range(len(gaps)):
-            if i != index and gaps[i] < narrow and dot(along, away[i]) < worst:
+            if i != index and gaps[i] < narrow and dot(along, away[i]) < min(worst, BLOCKS):
                 ahead, worst = i, dot(along, away[i])
         if ahead == index:
             break

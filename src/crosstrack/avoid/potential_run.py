@@ -22,7 +22,7 @@ WALK = 20
 NEARER = 0.01
 """of the tolerance, by which a point must come nearer to the goal than ever to have made progress"""
 
-MARGIN = 1e-3
+MARGIN = 0.05
 """m, kept free by braking"""
 ROUNDING = 1e-5
 """m, out of bounds that counts as on them"""
@@ -48,7 +48,7 @@ class Law:
     """m, of the vehicle"""
     tolerance: Positive = 2.0
     """m, from the goal, that counts as arrived"""
-    patience: Positive = 150.0
+    patience: Positive = 100.0
     """s without coming nearer to the goal than ever, after which the point counts as stuck"""
     seed: int = 0
     """of random walks"""
@@ -182,7 +182,7 @@ class Run:
         law, way = self.law, self.goal - position
         numbers = law.terms.numbers
         pull = attraction(way, numbers[0], numbers[1])[1]
-        pushes = repulsions(way, near.gaps, near.away, numbers)[:, 1:]
+        pushes = near.facing[:, None] * repulsions(way, near.gaps, near.away, numbers)[:, 1:]
         push = pushes.sum(axis=0)
         pull = law.terms.strengthened(norm(way), law.speed, memory.closing) * pull
         at = Situation(

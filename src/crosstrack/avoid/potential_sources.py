@@ -1,5 +1,6 @@
 """What repels: the nearest point of each obstacle around, from a map, from a distance field, or from a scan."""
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import Protocol
@@ -14,8 +15,12 @@ APART = 0.9
 """greatest cosine of the angle between two obstacles that count as two, seen from the vehicle: 26°"""
 MOST = 32
 """obstacles that count at once"""
-SHARES = (1 / 3, 2 / 3, 1.0)
+SHARES = (0.08, 0.2, 0.5, 1.0)
 """of the reach, how far the points lie from which obstacles are looked for"""
+HALVINGS = 3
+"""times that they are moved half way to the vehicle"""
+ABOVE = 0.01
+"""m, over a surface, where its normal is taken"""
 INSIDE = 1e-6
 """m, gap of a point on or within an obstacle"""
 
@@ -42,7 +47,7 @@ class DistanceField:
     """m, between two points along each axis"""
 
     def distance(self, points: Array) -> Array:
-        """Return the distance at `points` (..., 3), (...) m; outside the lattice that of its nearest point."""
+        """Return the distance at `points` (..., 3), (...) m; inf outside the lattice."""
         points = np.asarray(points, dtype=float)
         flat = np.ascontiguousarray(points.reshape(-1, 3))
         return interpolated(self.values, self.low, self.cell, flat)[:, 0].reshape(points.shape[:-1])
@@ -62,12 +67,16 @@ def interpolated(values: Field, low: Array, cell: float, points: Array) -> Array
     out = np.empty((len(points), 4))
     index, part = np.empty(3, dtype=np.int64), np.empty(3)
     for i in range(len(points)):
+        out[i] = 0.0
         for k in range(3):
             last = values.shape[k] - 1
-            u = min(max((points[i, k] - low[k]) / cell, 0.0), float(last))
-            index[k] = min(int(u), max(last - 1, 0))
+            u = (points[i, k] - low[k]) / cell
+            if not 0.0 <= u <= last:
+                out[i, 0] = math.inf
+            index[k] = min(max(int(u), 0), max(last - 1, 0))
             part[k] = u - index[k]
-        out[i] = 0.0
+        if out[i, 0] > 0.0:
+            continue
         for corner in range(8):
             a, b, c = corner & 1, (corner >> 1) & 1, corner >> 2
             wa, wb, wc = part[0] if a else 1 - part[0], part[1] if b else 1 - part[1], part[2] if c else 1 - part[2]
@@ -92,13 +101,25 @@ class Near:
     """(n,) m, to it"""
     away: Array
     """(n, 3) unit, from it to the vehicle"""
+    facing: Array
+    """(n,) 1, cosine between the surface's normal there and `away`: 1 but for points on the flank of an obstacle"""
 
     def grown(self, radius: float) -> "Near":
         """Return the same of obstacles that are thicker by a radius (m): of a vehicle that is a ball, not a point."""
-        return Near(np.maximum(self.gaps - radius, INSIDE), self.away)
+        return Near(np.maximum(self.gaps - radius, INSIDE), self.away, self.facing)
+
+    def within(self, reach: float) -> "Near":
+        """Return those nearer than a reach (m)."""
+        kept = self.gaps < reach
+        return Near(self.gaps[kept], self.away[kept], self.facing[kept])
 
 
-NOTHING = Near(np.empty(0), np.empty((0, 3)))
+def facing(gaps: Array, away: Array) -> Near:
+    """Return obstacles whose surfaces face the vehicle."""
+    return Near(gaps, away, np.ones(len(gaps)))
+
+
+NOTHING = facing(np.empty(0), np.empty((0, 3)))
 
 
 @cache
@@ -117,8 +138,8 @@ def probes(planar: bool) -> Array:
 def near_map(world: Distances, position: Array, reach: float, planar: bool = False) -> Near:
     """Return the obstacles within `reach` (m) of a position (3,).
 
-    The foot of a point around, the point less its distance times the gradient, lies on the obstacle nearest to it. Feet
-    of the points half way from there to the vehicle come closer to what is nearest to the vehicle.
+    The foot of a point around, the point less its distance times the gradient, lies on the obstacle nearest to it. The
+    feet of points half way from there to the vehicle come closer to what is nearest to the vehicle.
 
     Args:
         world: knows distances
@@ -131,13 +152,15 @@ def near_map(world: Distances, position: Array, reach: float, planar: bool = Fal
     if not distance[0] < reach:
         return NOTHING
     if distance[0] <= 0:
-        return Near(np.array([INSIDE]), world.gradient(position[None]))
+        return facing(np.array([INSIDE]), world.gradient(position[None]))
     seen = np.abs(distance) < reach
-    first = points[seen] - distance[seen, None] * world.gradient(points[seen]) - position
-    chosen = select(first, reach, planar)
-    middle = position - 0.5 * chosen.gaps[:, None] * chosen.away
-    second = middle - world.distance(middle)[:, None] * world.gradient(middle) - position
-    return select(np.concatenate([second, -chosen.gaps[:, None] * chosen.away]), reach, planar)
+    found = select(points[seen] - distance[seen, None] * world.gradient(points[seen]) - position, reach, planar)
+    for _halving in range(HALVINGS):
+        middle = -0.5 * found.gaps[:, None] * found.away
+        feet = middle - world.distance(position + middle)[:, None] * world.gradient(position + middle)
+        found = select(np.concatenate([feet, 2.0 * middle]), reach, planar)
+    normal = world.gradient(position + (ABOVE - found.gaps)[:, None] * found.away)
+    return Near(found.gaps, found.away, np.maximum(0.0, (normal * found.away).sum(axis=1)))
 
 
 def near_scan(scan: Scan, state: State, reach: float, planar: bool = False) -> Near:
@@ -172,7 +195,7 @@ def near_others(others: Others, position: Array, reach: float) -> tuple[Near, Ar
     distance = np.linalg.norm(ways, axis=1)
     gaps = np.maximum(distance - others.radius, INSIDE)
     seen = (gaps < reach) & (distance > 0)
-    return Near(gaps[seen], ways[seen] / distance[seen, None]), others.velocity[seen]
+    return facing(gaps[seen], ways[seen] / distance[seen, None]), others.velocity[seen]
 
 
 def select(offsets: Array, reach: float, planar: bool) -> Near:
@@ -183,7 +206,7 @@ def select(offsets: Array, reach: float, planar: bool) -> Near:
     kept = (gaps < reach) & (gaps > 0)
     gaps, away = gaps[kept], -offsets[kept] / gaps[kept, None]
     chosen = distinct(gaps, away, APART, MOST)
-    return Near(gaps[chosen], away[chosen])
+    return facing(gaps[chosen], away[chosen])
 
 
 @compiled

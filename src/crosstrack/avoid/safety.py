@@ -22,6 +22,10 @@ TRIES = 4
 """commands tried before the vehicle begins a way to rest"""
 CAUTION = 0.95
 """of the deceleration counted on, for commands that are proposed: so that they are found safe"""
+SLOW = 0.4
+"""of the response time, by which a vehicle may begin to brake later than expected"""
+WARY = 1.0
+"""the same, for a command to pass after one that did not: so that passing and braking do not alternate"""
 NOTHING = unset()
 
 
@@ -141,8 +145,8 @@ class Decision:
         full = self.memory.full
         asked = asked_by(command, self.state, full, self.duration)
         block: Block | None = None
-        if keeps_upright(command, self.state, self.duration + full.turn_time):
-            escape, block = self.judged(asked)
+        if keeps_upright(command, self.state, self.duration + full.turn_time + full.spin_time):
+            escape, block = self.judged(asked, WARY if self.memory.intervening else SLOW)
             if escape is not None:
                 return command, replace(self.memory, asked=asked, escape=escape, intervening=False)
         found = self.proposed(asked, block) or self.retreat(asked)
@@ -151,31 +155,43 @@ class Decision:
         changed = Setpoint(NOTHING, stop.velocity, stop.asked, *yaw)
         return changed, replace(self.memory, asked=stop.asked, escape=escape, intervening=True)
 
-    def way(self, asked: Array, escape: Escape, able: Ability) -> Stop:
-        """Return the way to rest after an acceleration (3,) m/s² asked for during this period; NaN for none."""
-        return way_to_rest(self.motion, asked, self.duration, escape, able)
+    def way(self, asked: Array, escape: Escape, able: Ability, extra: float = 0.0) -> Stop:
+        """Return the way to rest after an acceleration (3,) m/s² asked for during this period; NaN for none.
+
+        Args:
+            asked: (3,) m/s²
+            escape: what follows
+            able: what it brakes with
+            extra: s, for which the command goes on acting
+        """
+        return way_to_rest(self.motion, asked, self.duration + extra, escape, able)
 
     def blocked(self, way: Stop) -> Block | None:
         """Return what a way runs into."""
         return first_block(way, self.around, self.room)
 
-    def judged(self, asked: Array) -> tuple[Escape | None, Block | None]:
-        """Return how the vehicle can come to rest after an acceleration (3,) m/s² asked for, or what is in the way."""
-        able = self.memory.counted
-        block = self.blocked(self.way(asked, BRAKE, able))
+    def judged(self, asked: Array, slow: float) -> tuple[Escape | None, Block | None]:
+        """Return how the vehicle can come to rest after an acceleration (3,) m/s² asked for, or what is in the way.
+
+        Args:
+            asked: (3,) m/s²
+            slow: of the response time, for which the command goes on acting
+        """
+        able, extra = self.memory.counted, slow * self.memory.full.response
+        block = self.blocked(self.way(asked, BRAKE, able, extra))
         if block is None:
             return BRAKE, None
-        for escape in self.escapes(block, asked, able):
-            if self.blocked(self.way(asked, escape, able)) is None:
+        for escape in self.escapes(block, asked, able, extra):
+            if self.blocked(self.way(asked, escape, able, extra)) is None:
                 return escape, None
         return None, block
 
-    def escapes(self, block: Block, asked: Array, able: Ability) -> Iterator[Escape]:
+    def escapes(self, block: Block, asked: Array, able: Ability, extra: float = 0.0) -> Iterator[Escape]:
         """Yield ways to turn away from what is in the way, the one remembered last."""
         aside = Escape(block.normal, 0.0)
         yield aside
         yield Escape(block.normal, 1.0)
-        second = self.blocked(self.way(asked, aside, able))
+        second = self.blocked(self.way(asked, aside, able, extra))
         if second is not None:
             both = block.normal + second.normal
             size = float(np.linalg.norm(both))
@@ -186,35 +202,59 @@ class Decision:
 
     def proposed(self, asked: Array, block: Block | None) -> tuple[Stop, Escape] | None:
         """Return a command near the one asked for that is found safe: on the safe side of all that is in the way."""
-        blocks: list[Block] = []
+        blocks = self.closest()
         place, velocity = np.empty(3), np.empty(3)
         bound_for(self.motion, self.memory.full, place, velocity)
-        while block is not None and len(blocks) < TRIES:
+        for _ in range(TRIES):
+            if block is None:
+                break
             blocks.append(block)
             least = np.array([self.least(each, place, velocity) for each in blocks])
             nearby = nearest(asked, np.array([each.normal for each in blocks]), least)
             clip(nearby, self.memory.full)
-            escape, block = self.judged(nearby)
+            escape, block = self.judged(nearby, SLOW)
             if escape is not None:
                 return self.way(nearby, escape, self.memory.counted), escape
         return None
 
-    def least(self, block: Block, place: Array, velocity: Array) -> float:
+    def least(self, block: Block, place: Array, velocity: Array, *, strong: bool = False) -> float:
         """Return the least acceleration (m/s²) along the normal of what is in the way."""
         n = block.normal
         speed = float(n @ velocity) - block.approach
         room = block.room + float(n @ (place - self.room.here))
-        deceleration = CAUTION * strength(n[0], n[1], n[2], self.memory.counted)
+        able, share = (self.memory.full, 1.0) if strong else (self.memory.counted, CAUTION)
+        deceleration = share * strength(n[0], n[1], n[2], able)
         return least_acceleration(room, speed, deceleration, self.memory.full.gain)
 
     def retreat(self, asked: Array) -> tuple[Stop, Escape]:
-        """Return the free way to rest, beginning now, that is nearest to what was asked for; the clearest if none is."""
+        """Return the free way to rest, beginning now, that is nearest to what was asked for; the best if none is."""
+        blocks: list[Block] = []
         for able in (self.memory.counted, self.memory.full):
             ways = [(self.way(NOTHING, BRAKE, able), BRAKE)]
             block = self.blocked(ways[0][0]) or self.blocked(self.way(asked, BRAKE, able))
             if block is not None:
                 ways += [(self.way(NOTHING, escape, able), escape) for escape in self.escapes(block, NOTHING, able)]
-            free = [pair for pair in ways if self.blocked(pair[0]) is None]
+            found = [self.blocked(way) for way, _ in ways]
+            free = [pair for pair, hit in zip(ways, found, strict=True) if hit is None]
             if free:
                 return min(free, key=lambda pair: float(np.linalg.norm(pair[0].asked - asked)))
+            blocks = [hit for hit in found if hit is not None]
+        ways.append(self.pressed(ways[0][0].asked, blocks + self.closest()))
         return max(ways, key=lambda pair: least_clearance(pair[0], self.around))
+
+    def closest(self) -> list[Block]:
+        """Return the nearest obstacle, where there is any, as a half-space."""
+        if math.isinf(self.room.distance):
+            return []
+        normal = self.around.obstacles.gradient(self.room.here)
+        return [Block(normal, self.room.distance - self.room.needed, 0.0)] if normal.any() else []
+
+    def pressed(self, asked: Array, blocks: list[Block]) -> tuple[Stop, Escape]:
+        """Return braking (3,) m/s², pressed to the safe side of all that is in the way as hard as the vehicle can."""
+        full = self.memory.full
+        place, velocity = np.empty(3), np.empty(3)
+        bound_for(self.motion, full, place, velocity)
+        least = np.array([self.least(each, place, velocity, strong=True) for each in blocks])
+        most = nearest(asked, np.array([each.normal for each in blocks]), least)
+        clip(most, full)
+        return self.way(most, BRAKE, full), BRAKE

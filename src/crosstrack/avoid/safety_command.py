@@ -12,11 +12,7 @@ POSITION_GAIN = 1.6
 """1/s, of an autopilot, as is usual"""
 VELOCITY_GAIN = 4.0
 """1/s, of an autopilot, as is usual"""
-MOST = 1.25
-"""of the acceleration that a vehicle may be asked for: an autopilot asks for no more sideways"""
-MOST_VERTICAL = 2.5
-"""of the acceleration up or down that a vehicle may be asked for"""
-UPRIGHT = math.cos(math.radians(85.0))
+UPRIGHT = math.cos(math.radians(80.0))
 """least cosine of the tilt from which the thrust is sure to be turned against the motion in time"""
 FALL = np.array([0.0, 0.0, GRAVITY])
 
@@ -25,7 +21,7 @@ def asked_by(command: Command, state: State, able: Ability, period: float) -> Ar
     """Return the acceleration (3,) m/s² that a command asks for, by the end of the period (s) at the latest."""
     if isinstance(command, Setpoint):
         return answered(state.position, state.velocity, command.position, command.velocity, command.acceleration, able)
-    return limited(command.thrust * thrust_axis(command, state, period + able.turn_time) - FALL, 3.0 * GRAVITY)
+    return limited(command.thrust * thrust_axis(command, state, period + able.turn_time + able.spin_time) - FALL, 3.0 * GRAVITY)
 
 
 def limited(vector: Array, most: float) -> Array:
@@ -65,20 +61,24 @@ def answered(position: Array, velocity: Array, place: Array, feed: Array, push: 
 
 @compiled
 def clip(asked: Array, able: Ability) -> None:
-    """Shorten an acceleration (3,) m/s² to what an autopilot asks for at most, in place."""
+    """Shorten an acceleration (3,) m/s² to what thrust and tilt give, height first, in place."""
+    lift = min(able.thrust_max, max(able.thrust_min, asked[2] + GRAVITY))
+    room = math.sqrt(max(0.0, able.thrust_max * able.thrust_max - lift * lift))
+    if lift > 0.0:
+        room = min(room, lift * able.tilt_tangent)
     side = math.sqrt(asked[0] * asked[0] + asked[1] * asked[1])
-    if side > MOST * able.sideways:
-        asked[0] *= MOST * able.sideways / side
-        asked[1] *= MOST * able.sideways / side
-    most = MOST_VERTICAL * able.vertical
-    asked[2] = min(most, max(-most, asked[2]))
+    if side > room:
+        asked[0] *= room / side
+        asked[1] *= room / side
+    asked[2] = lift - GRAVITY
 
 
 def thrust_axis(command: AttitudeSetpoint | RateSetpoint, state: State, ahead: float) -> Array:
     """Return the unit vector (3,) along which a command turns the thrust within a time (s)."""
     if isinstance(command, AttitudeSetpoint):
         return up(command.attitude)
-    angle = command.rate * ahead
+    fastest = command.rate if command.rate @ command.rate > state.rate @ state.rate else state.rate
+    angle = fastest * ahead
     size = float(np.linalg.norm(angle))
     turn = np.array([*(angle / max(size, 1e-12) * math.sin(0.5 * size)), math.cos(0.5 * size)])
     return up(product(state.attitude, turn))

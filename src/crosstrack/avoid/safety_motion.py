@@ -2,7 +2,7 @@
 
 On each axis, with the acceleration u asked for,
 
-    dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s,   |j| <= J sideways.
+    dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s,   |j| <= Ω |a + g| sideways.
 
 The place q = p + τ₁(v + τ₂(a + τ₃ j)) and the velocity w = v + τ₁(a + τ₂(j + τ₃ s)) are what the vehicle is bound for:
 whatever was asked for before is in them, and they are a double integrator, dq/dt = w and dw/dt = u. At rest q = p.
@@ -44,10 +44,18 @@ class Ability(NamedTuple):
     """s, τ₃ sideways"""
     lift_time: float
     """s, τ₁ up and down"""
-    jerk: float
-    """m/s³, J"""
+    turn_rate: float
+    """rad/s, Ω, at which the thrust can be turned"""
+    thrust_min: float
+    """m/s², least vertical thrust over mass"""
+    thrust_max: float
+    """m/s², greatest thrust over mass"""
+    tilt_tangent: float
+    """of the largest tilt"""
     late: float
     """s, age of the state when it is known"""
+    response: float
+    """s, all lags together"""
     gain: float
     """1/s, k, the most by which a velocity is brought to rest: the end of braking is in proportion"""
 
@@ -58,11 +66,15 @@ def ability(envelope: Envelope, share: float) -> Ability:
     model, response = envelope.model, max(envelope.response_time, 2 * STEP)
     gain = AGILITY / response
     if model is None:
-        return Ability(sideways, vertical, response, SHORT, SHORT, response, math.inf, 0.0, gain)
+        lift = 2 * envelope.acceleration_vertical
+        most = math.hypot(GRAVITY + lift, 2 * envelope.acceleration)
+        thrusts = GRAVITY - lift, most, math.inf
+        return Ability(sideways, vertical, response, SHORT, SHORT, response, math.inf, *thrusts, 0.0, response, gain)
     tilt, turn = max(model.attitude_time, 2 * STEP), max(model.rate_time - model.thrust_time, SHORT)
+    spin, lift = max(model.thrust_time, SHORT), max(model.thrust_time, 2 * STEP)
     late = max(0.0, envelope.response_time - model.attitude_time - model.rate_time)
-    lift = max(model.thrust_time, 2 * STEP)
-    return Ability(sideways, vertical, tilt, turn, max(model.thrust_time, SHORT), lift, model.rate_max * GRAVITY, late, gain)
+    thrusts = model.thrust_min, model.thrust_max, math.tan(model.tilt_max)
+    return Ability(sideways, vertical, tilt, turn, spin, lift, model.rate_max, *thrusts, late, response, gain)
 
 
 @compiled
@@ -98,8 +110,9 @@ def move(motion: Motion, asked: Array, h: float, able: Ability) -> None:
             motion[3, k] += motion[4, k] * h
         if k < 2:
             sideways += motion[3, k] * motion[3, k]
-    if sideways > able.jerk * able.jerk:
-        scale = able.jerk / math.sqrt(sideways)
+    most = able.turn_rate * math.sqrt(motion[2, 0] ** 2 + motion[2, 1] ** 2 + (motion[2, 2] + GRAVITY) ** 2)
+    if sideways > most * most:
+        scale = most / math.sqrt(sideways)
         for k in range(2):
             motion[3, k] *= scale
             motion[4, k] = 0.0

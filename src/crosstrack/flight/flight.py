@@ -49,7 +49,7 @@ class Flight:
     @cached_property
     def tracking(self) -> Array:
         """(n,) m, distance of every position to where the trajectory is by then; NaN without a trajectory"""
-        return tracking(self.plan, self.record)
+        return tracking(self.plan, self.record, bool(self.replans))
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -66,5 +66,9 @@ def flight_of(plan: Plan, outcome: Outcome, rows: Sequence[Sample], effort: Effo
 def thinned(clouds: Sequence[Array]) -> Array:
     """Return one point of every cube of `GRAIN` of clouds of points (n, 3) m, the first."""
     points = np.concatenate([NOTHING, *clouds])
-    _, first = np.unique(np.floor(points / GRAIN).astype(np.int64), axis=0, return_index=True)
+    if not len(points):
+        return points
+    cells = np.floor(points / GRAIN).astype(np.int64)
+    cells -= cells.min(axis=0)
+    _, first = np.unique(np.ravel_multi_index(cells.T, cells.max(axis=0) + 1), return_index=True)
     return points[np.sort(first)]

@@ -40,10 +40,13 @@ class Judge:
     """m, what the plan has covered since"""
     last: float = field(init=False)
     """s, time of the sample before"""
+    visited: set[tuple[int, ...]] = field(default_factory=set, init=False)
+    """cubes of ELSEWHERE that a vehicle which may leave its course has been in"""
 
     def __post_init__(self) -> None:
         self.course, self.place = self.plan.course, self.start.position
         self.began = self.since = self.last = self.start.time
+        self.bends = any(not avoider.guards for avoider in self.plan.avoiders)
         self.goal = self.plan.route(self.plan.route.length)
 
     def renew(self, course: Course, now: State) -> None:
@@ -80,10 +83,18 @@ class Judge:
         return None
 
     def stuck(self, now: State, progress: float) -> bool:
-        """Return whether the vehicle has made next to none of the progress planned for as long as patience lasts."""
+        """Return whether the vehicle has made next to none of the progress planned for as long as patience lasts.
+
+        On a detour round obstacles, getting to where it has not been is progress too.
+        """
         self.owed += self.planned(now.time)
         if progress - self.best >= CRAWL * self.owed:
             self.best, self.since, self.owed, self.place = progress, now.time, 0.0, now.position
+        if self.bends:
+            cube = tuple(np.floor(now.position / ELSEWHERE).astype(int).tolist())
+            if cube not in self.visited:
+                self.visited.add(cube)
+                self.since = now.time
         return now.time - self.since > PATIENCE
 
     def planned(self, time: float) -> float:

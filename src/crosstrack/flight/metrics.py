@@ -100,7 +100,7 @@ def measure(plan: Plan, outcome: Outcome, record: Record, effort: Effort, replan
         ideal_time_s=ideal,
         time_ratio=duration / ideal if outcome is Outcome.ARRIVED and ideal > 0 else None,
         **_errors(time[known], error[known]),
-        **_tracking(time[known], tracking(plan, record)[known]),
+        **_tracking(time[known], tracking(plan, record, replans > 0)[known]),
         final_error_m=float(np.linalg.norm(record.position[last] - plan.route(plan.route.length))),
         final_speed_mps=float(speed[last]),
         min_clearance_m=finite_or_none(float(record.clearance.min())),
@@ -135,14 +135,18 @@ def cross_track(plan: Plan, record: Record) -> Array:
     return error
 
 
-def tracking(plan: Plan, record: Record) -> Array:
+def tracking(plan: Plan, record: Record, replanned: bool = False) -> Array:
     """Return the distance from every position to where the trajectory is by then, (n,) m.
 
-    NaN where not finite, and without a trajectory. The trajectory begins at the first sample, and holds its end.
+    NaN where not finite, and without a trajectory. The trajectory begins at the first sample, and holds its end. Where
+    it was planned again in flight, what a tracker of trajectories aims at tells where the last one is; a follower does
+    not.
     """
     trajectory = plan.course.trajectory
-    if trajectory is None:
+    if trajectory is None or (replanned and "trajectory" not in plan.tracker.needs):
         return np.full(len(record.time), np.nan)
+    if replanned:
+        return np.asarray(np.linalg.norm(record.position - record.aim, axis=1))
     return np.asarray(np.linalg.norm(record.position - trajectory(record.time - record.time[0]), axis=1))
 
 

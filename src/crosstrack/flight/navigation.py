@@ -101,6 +101,7 @@ class Navigator:
         usual = self.course.path.length / self.course.speed.duration
         if not held or gained > LITTLE * usual * TRAPPED:
             self.mark = (progress, now)
+            return False
         return since > TRAPPED
 
     def adrift(self, state: State) -> bool:
@@ -119,10 +120,14 @@ class Navigator:
 
     def blocked(self, around: Surroundings, progress: float) -> bool:
         """Return whether the course ahead leads nearer to an obstacle than the vehicle may come."""
-        path = self.course.path
+        path, radius, s = self.course.path, self.course.envelope.radius, progress
         end = min(path.length, progress + AHEAD)
-        along = np.linspace(progress, end, max(2, int((end - progress) / SPACING)))
-        return bool((around.obstacles.distance(path(along)) < self.course.envelope.radius).any())
+        while s < end:
+            room = float(around.obstacles.distance(path(s))) - radius
+            if room < 0:
+                return True
+            s += max(room, SPACING)  # no obstacle is nearer than that to what is left out
+        return bool(around.obstacles.distance(path(end)) < radius)
 
     def planned(self, replanning: Replanning, state: State, around: Surroundings, waypoints: Array) -> Course:
         """Return the course from here through waypoints (n, 3) m."""

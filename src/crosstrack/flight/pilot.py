@@ -20,7 +20,8 @@ class Pilot:
         self.plan = plan
         self.perception = Perception(plan, index, count)
         self.navigator = Navigator(plan)
-        self.navigator.take(plan.course, plan.route.points, state.time)
+        asked = plan.route.points if plan.replanning is None else plan.replanning.task.waypoints
+        self.navigator.take(plan.course, asked, state.time)
         self.tracking: Any = plan.tracker.start(plan.course, state)
         around = self.perception.look(state, (), ALONE)
         self.memories: list[Any] = [avoider.start(plan.course, around, state) for avoider in plan.avoiders]

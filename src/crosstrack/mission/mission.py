@@ -90,6 +90,7 @@ class Mission(MissionFile):
             route=goes.route,
             goal=goes.goal,
             vehicles=(),
+            replan="never" if self.replan == "auto" and self.map == "known" else self.replan,
             seed=self.seed + index,
             files=self.files,
         )

@@ -131,7 +131,7 @@ class MissionFile:
     replan: Literal["auto", "never", "trapped", "blocked"] = "auto"
     """when a new way is looked for in flight: where the vehicle is trapped, or also where the course is blocked; auto:
     blocked with a planner that finds ways and something unknown, trapped with any avoider that changes the course, else
-    never"""
+    never, as with several vehicles in a known world"""
     limits: Limits = field(default_factory=Limits)
     wind: Wind = field(default_factory=Wind)
     air: Air = field(default_factory=Air)

@@ -1,13 +1,13 @@
 """A way of its own through what is in the way, and a trajectory along it: for goals in place of routes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosstrack.errors import Unreachable
+from crosstrack.errors import Problem, Unreachable
 from crosstrack.plan.auto_fit import Free, at_rest, fitted
 from crosstrack.plan.auto_stop import after, braking, settled, stop_and_go
 from crosstrack.plan.facing import Look, facing
@@ -22,6 +22,8 @@ EDGE = 0.05
 """m, that a plan keeps from the bounds"""
 CLOSER = 0.01
 """m, by which the legs that a trajectory goes along may be closer to obstacles than the way"""
+MARGINS = (1.2, 1.0, 0.25)
+"""of the margin, that ways are looked for with: in turn, as long as there is none"""
 NEAR = 0.05
 """m, a way too short to be one"""
 STRONGEST = 10.0
@@ -61,6 +63,7 @@ class Auto:
         """
         limits, start = limits_of(task), task.waypoints[0]
         free = Free(task.world, task.radius + self.margin, self.reach, room(task.world, task.radius), limits)
+        check_goals(task)
         way, through = self.way(task, free.box)
         if length(way) < NEAR:
             return settled(start, task.motion, task.waypoints[-1], limits)
@@ -75,15 +78,32 @@ class Auto:
     def way(self, task: PlanningTask, box: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the way (n, 3) m through the waypoints, and which of its points they are (n,).
 
-        Where the margin leaves none, a quarter of it must do.
+        With a little more than the margin where there is one, else with the margin, else with a quarter of it.
 
         Raises:
             Unreachable: obstacles leave no way.
         """
-        try:
-            return ways(task.world, task.waypoints, task.radius + self.margin, box)
-        except Unreachable:
-            return ways(task.world, task.waypoints, task.radius + 0.25 * self.margin, box)
+        for share in MARGINS[:-1]:
+            try:
+                return ways(task.world, task.waypoints, task.radius + share * self.margin, box)
+            except Unreachable:
+                continue
+        return ways(task.world, task.waypoints, task.radius + MARGINS[-1] * self.margin, box)
+
+
+def check_goals(task: PlanningTask) -> None:
+    """Refuse waypoints where the vehicle would touch an obstacle."""
+    distances = task.world.distance(task.waypoints[1:])
+    near = np.flatnonzero(distances < task.radius)
+    if near.size:
+        distance, last = float(distances[near[0]]), near[0] == len(distances) - 1
+        where = (
+            f"is inside an obstacle, {-distance:.3g} m deep"
+            if distance <= 0.0
+            else f"is {distance:.3g} m from an obstacle"
+        )
+        message = f"{where}; at least the vehicle's radius, {task.radius:g} m, is needed"
+        raise Unreachable("auto", [Problem("goal" if last else f"waypoints[{near[0] + 1}]", message)])
 
 
 def limits_of(task: PlanningTask) -> MotionLimits:
@@ -99,8 +119,6 @@ def limits_of(task: PlanningTask) -> MotionLimits:
 
 def rested(task: PlanningTask, position: Array) -> PlanningTask:
     """Return what is left of a task at rest at a position (3,) m."""
-    from dataclasses import replace
-
     waypoints = np.concatenate([position[None], task.waypoints[1:]])
     return replace(task, waypoints=waypoints, motion=np.zeros((2, 3)))
 

@@ -10,6 +10,7 @@ complex environments (IEEE Robotics and Automation Letters), with balls in place
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Field, Map
@@ -20,6 +21,7 @@ CELL = 0.14
 SHELL = 0.87
 """cells, within which of a surface a point of the lattice always is"""
 MOST_FACES = 40
+SETTLINGS = 2
 MOST_POINTS = 6_000_000
 """of the lattice"""
 
@@ -77,7 +79,7 @@ def beside(a: Array, b: Array, x: float, y: float, z: float) -> tuple[float, flo
 
 
 @compiled
-def faces_of(a: Array, b: Array, points: Array, clearance: float, reach: float, faces: Array) -> int:
+def faces_of(a: Array, b: Array, points: Array, clearance: float, reach: float, faces: Array, touched: Array) -> int:
     """Fill `faces` (m, 4) with planes n p <= offset around a segment; return how many.
 
     Args:
@@ -87,6 +89,7 @@ def faces_of(a: Array, b: Array, points: Array, clearance: float, reach: float, 
         clearance: m, from the planes through them
         reach: m, farther than which points do not matter
         faces: (m, 4) room for normals, unit, and offsets
+        touched: (m, 3) m, room for the points they were drawn through
     """
     count, size = 0, 0
     distances, chosen, feet = np.empty(len(points)), np.empty(len(points), np.int64), np.empty((len(points), 3))
@@ -101,6 +104,7 @@ def faces_of(a: Array, b: Array, points: Array, clearance: float, reach: float, 
         o, far = points[chosen[k]], max(distances[k], 1e-9)
         for d in range(3):
             faces[count, d] = (o[d] - feet[k, d]) / far
+            touched[count, d] = o[d]
         edge = faces[count, 0] * o[0] + faces[count, 1] * o[1] + faces[count, 2] * o[2]
         faces[count, 3] = edge - clearance
         left = 0
@@ -126,22 +130,46 @@ def polytopes(world: Map, legs: Array, clearances: Array, reach: float, box: Arr
         legs: (n + 1, 3) m
         clearances: (n,) m, of each leg: at most what it has
         reach: m, from the leg, farther than which faces are left out
-        box: (2, 3) m, to stay in; may be infinite
+        box: (2, 3) m, to stay in; only its lower height needs to be finite
     """
     points = surface(world, legs, reach + float(clearances.max()))
-    room, found = np.empty((MOST_FACES, 4)), []
-    for a, b, clearance in zip(legs[:-1], legs[1:], clearances, strict=True):
-        count = faces_of(a, b, points, clearance, reach + clearance, room)
+    room, touched = np.zeros((len(clearances), MOST_FACES, 4)), np.zeros((len(clearances), MOST_FACES, 3))
+    counts = np.zeros(len(clearances), int)
+    for i, clearance in enumerate(clearances):
+        counts[i] = faces_of(legs[i], legs[i + 1], points, clearance, reach + clearance, room[i], touched[i])
+    settle(world, room, touched, counts, clearances)
+    found = []
+    for a, b, faces, count in zip(legs[:-1], legs[1:], room, counts, strict=True):
         low, high = np.minimum(box[0], np.minimum(a, b)), np.maximum(box[1], np.maximum(a, b))
-        normals = np.concatenate([room[:count, :3], -np.eye(3), np.eye(3)])
-        offsets = np.concatenate([room[:count, 3], -low, high])
+        normals = np.concatenate([faces[:count, :3], -np.eye(3), np.eye(3)])
+        offsets = np.concatenate(
+            [np.maximum(faces[:count, 3], (np.stack([a, b]) @ faces[:count, :3].T).max(axis=0)), -low, high]
+        )
         near = offsets - np.maximum(normals @ a, normals @ b) < reach
+        near[count + 2] = True  # a polytope has a face, and the ground is always there
         found.append((normals[near], offsets[near]))
     return found
 
 
-def add_face(faces: list[tuple[Array, Array]], piece: int, leg: Array, outward: Array, offset: float) -> None:
-    """Add a face to the polytope of a piece, moved so far out that its leg (2, 3) stays inside."""
+def settle(world: Map, faces: Array, touched: Array, counts: NDArray[np.int64], clearances: Array) -> None:
+    """Move faces (n, m, 4) inward to where the points that they were drawn through are as clear as is wanted.
+
+    The points of a surface that were looked at are not all there are: between them it may bulge.
+    """
+    which = np.arange(faces.shape[1]) < counts[:, None]
+    for _ in range(SETTLINGS):
+        normals = faces[..., :3]
+        off = faces[..., 3] - (normals * touched).sum(axis=-1)
+        feet = touched + off[..., None] * normals
+        short = np.zeros(which.shape)
+        short[which] = np.repeat(clearances, counts) - world.distance(feet[which])
+        faces[..., 3] -= np.maximum(short, 0.0)
+
+
+def add_face(faces: list[tuple[Array, Array]], piece: int, leg: Array, point: Array, clearance: float) -> None:
+    """Add a face to the polytope of a piece: across the line from its leg (2, 3) to a point (3,) of an obstacle."""
+    far, *foot = beside(leg[0], leg[1], *(float(x) for x in point))
+    outward = (point - np.array(foot)) / max(far, 1e-9)
     normals, offsets = faces[piece]
-    offset = max(offset, float((leg @ outward).max()))
+    offset = max(float(outward @ point) - clearance, float((leg @ outward).max()))
     faces[piece] = np.concatenate([normals, outward[None]]), np.append(offsets, offset)

@@ -18,10 +18,12 @@ from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.timing import rescaled
 from crosstrack.types import Array
 
-THIN = 0.01
+THIN = 0.005
 """m, that a polytope is wider than its leg at least"""
-SHORTFALL = 0.02
+SHORTFALL = 0.01
 """m, that a trajectory may come nearer to an obstacle than the faces are meant to allow"""
+GUIDE = 500.0
+"""1/s⁶, weight of the distance to the legs over that of the jerk: it keeps the trajectory short"""
 TIGHTNESS = 0.05
 """relative to the least cost: what is shared out anew need not be the best"""
 ROUNDS = 8
@@ -88,7 +90,7 @@ def fitted(free: Free, way: Array, through: Array, motion: Array) -> PiecewisePo
     for _ in range(ROUNDS):
         try:
             curve = solve(
-                knots, times, 3, start=start, corridor=Polytopes(faces), through=kept, tightness=TIGHTNESS
+                knots, times, 3, start=start, corridor=Polytopes(faces), through=kept, guide=GUIDE, tightness=TIGHTNESS
             ).curve
         except Infeasible:
             return None
@@ -114,7 +116,6 @@ def repaired(
     found = least_clearance(curve, free.world, tolerance=0.25 * SHORTFALL)
     if found.value >= least:
         return False
-    outward = -free.world.gradient(found.position)
-    surface = float(outward @ found.position) + found.attained
-    add_face(faces, found.piece, knots[found.piece : found.piece + 2], outward, surface - float(wanted[found.piece]))
+    point = found.position - found.attained * free.world.gradient(found.position)
+    add_face(faces, found.piece, knots[found.piece : found.piece + 2], point, float(wanted[found.piece]))
     return True

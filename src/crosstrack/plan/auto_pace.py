@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from crosstrack.plan.cadence import corners, cut, paced, reachable
+from crosstrack.plan.cadence import SHARPEST, cut, paced, reachable
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.trajectory.times.timing import along
 from crosstrack.types import Array
 
-ROUNDING = 0.3
-"""m, that corners are taken to be rounded within"""
+ROUNDING, AROUND = 0.1, 0.6
+"""m, that turns are taken to be rounded within, and how far before and after a point its turn is seen"""
 SAMPLES = 7
 """of a piece, where its speed and acceleration are looked at"""
 LEAST, MOST = 0.75, 1.5
@@ -25,9 +25,11 @@ def started(waypoints: Array, velocity: Array, limits: MotionLimits) -> tuple[Ar
     lengths = np.linalg.norm(steps, axis=1)
     fastest = along(steps, lengths, limits.speed, limits.speed_vertical)
     strongest = along(steps, lengths, limits.acceleration, limits.acceleration_vertical)
-    directions = steps / lengths[:, None]
-    bounds = corners(directions, ROUNDING, fastest, strongest)
-    bounds[0] = min(max(float(velocity @ directions[0]), 0.0), float(fastest[0]))
+    bounds = np.zeros(len(waypoints))
+    bounds[0] = min(max(float(velocity @ steps[0]) / lengths[0], 0.0), float(fastest[0]))
+    bounds[1:-1] = np.minimum(
+        turning(waypoints, lengths, float(strongest.min())), np.minimum(fastest[1:], fastest[:-1])
+    )
     ends = reachable(bounds, lengths, strongest)
     v0, v1 = ends[:-1], ends[1:]
     peak = np.minimum(fastest, np.sqrt((v0**2 + v1**2) / 2 + strongest * lengths))
@@ -39,6 +41,24 @@ def started(waypoints: Array, velocity: Array, limits: MotionLimits) -> tuple[Ar
     flown = v0[leg] * up + strongest[leg] * up**2 / 2 + peak[leg] * (level + down) - strongest[leg] * down**2 / 2
     knots = waypoints[leg] + (flown / lengths[leg])[:, None] * steps[leg]
     return np.concatenate([knots, waypoints[-1:]]), paced(starts, leg, t, ROUNDING / float(fastest.max()))
+
+
+def turning(waypoints: Array, lengths: Array, strongest: float) -> Array:
+    """Return the speed (n - 2,) m/s at which the inner points of a way are passed, by the turn of the way around them.
+
+    As in `cadence.corners`, of the turn from where the way was a little before to where it is a little later.
+    """
+    arcs = np.concatenate([[0.0], np.cumsum(lengths)])
+    before, after = (
+        np.stack([np.interp(arcs[1:-1] + shift, arcs, axis) for axis in waypoints.T], axis=1)
+        for shift in (-AROUND, AROUND)
+    )
+    here = waypoints[1:-1]
+    into, out = here - before, after - here
+    cosine = (into * out).sum(axis=1) / np.linalg.norm(into, axis=1) / np.linalg.norm(out, axis=1)
+    half = np.sqrt(np.maximum(0.5 * (1.0 + cosine), SHARPEST**2))
+    with np.errstate(divide="ignore"):
+        return np.sqrt(strongest * ROUNDING / np.maximum(1.0 / half - 1.0, 0.0))
 
 
 def strain(curve: PiecewisePolynomial, limits: MotionLimits) -> Array:

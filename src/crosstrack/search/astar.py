@@ -29,8 +29,8 @@ def search(
 
     Without a way the points are all that can be reached from the goal, `ENCLOSED`, or from the start, `NONE`.
 
-    An edge of length L is free when the distances at its ends add up to L: the balls around them cover it. A metre costs
-    1 + `doubt` (1 - d / `wanted`) at a distance d below the one wanted. The flood goes along the axes only.
+    An edge of length L is free when the distances at its ends add up to L: the balls around them cover it. A metre
+    costs 1 + `doubt` (1 - d / `wanted`) at a distance d below the one wanted.
 
     Args:
         values: (nx, ny, nz) m, distances; below zero where a point may not be passed, as on the six sides
@@ -107,11 +107,11 @@ def spread(
     head: int,
     tail: int,
 ) -> int:
-    """Flood the neighbours along the axes of the next point in the queue; return where the queue then ends."""
+    """Flood the neighbours of the next point in the queue; return where the queue then ends."""
     at = queue[head]
     for k in range(26):
         to = at + steps[k]
-        if lengths[k] == 1.0 and flooded[to] == 0 and field[to] >= 0.0 and field[at] + field[to] >= cell:
+        if flooded[to] == 0 and field[to] >= 0.0 and field[at] + field[to] >= lengths[k] * cell:
             flooded[to] = 1
             queue[tail] = to
             tail += 1

@@ -1,4 +1,4 @@
-"""How far it is at least to the goal: Dijkstra's search over the plane, where a column counts as free as its freest point.
+"""How far it is at least to the goal: Dijkstra's search over the plane, a column being as free as its freest point.
 
 No way over the lattice is shorter seen from above than the shortest one here, so with the height that is left as the
 other side of a right angle it never says too much. Where obstacles stand upright, trees and walls, it is nearly exact.

@@ -14,7 +14,7 @@ ROUNDING = 1e-3
 PUSHES = 20
 SPLITS = 6
 AROUND = (0.5, 0.5, 3.0)
-"""m, within which the points around a place that is too narrow are looked at: what stands upright is so at any height"""
+"""m, within which points around a place that is too narrow are looked at: where things are upright, at any height"""
 
 
 def pushed(world: Map, points: Array, clearance: float, low: Array, high: Array) -> Array:
@@ -81,17 +81,15 @@ def block(world: Map, window: Window, places: NDArray[np.int32], clearance: floa
         places: (n,) indices of points that have no room
         clearance: m
     """
-    shape, values = np.array(window.values.shape), window.values.reshape(-1)
+    shape = np.array(window.values.shape)
     reach = np.ceil(np.array(AROUND) / window.cell).astype(int)
-    for place in places:
-        at = np.array(np.unravel_index(place, window.values.shape))
+    near = np.zeros(window.values.shape, dtype=bool)
+    for at in np.stack(np.unravel_index(places, window.values.shape), axis=1):
         low, high = np.maximum(at - reach, 1), np.minimum(at + reach + 1, shape - 1)
-        axes = [np.arange(a, b) for a, b in zip(low, high, strict=True)]
-        indices = np.ravel_multi_index(np.ix_(*axes), window.values.shape).ravel().astype(np.int32)
-        doubtful = indices[(values[indices] < clearance) & (values[indices] >= 0.0)]
-        if doubtful.size:
-            points = window.low + np.stack(np.unravel_index(doubtful, window.values.shape), axis=1) * window.cell
-            half = 0.6 * window.cell
-            best = pushed(world, points, clearance, points - half, points + half)
-            values[doubtful[world.distance(best) < clearance - ROUNDING]] = OUTSIDE
-    values[places] = OUTSIDE
+        near[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
+    near &= (window.values < clearance) & (window.values >= 0.0)
+    doubtful = np.argwhere(near)
+    points, half = window.low + doubtful * window.cell, 0.6 * window.cell
+    best = pushed(world, points, clearance, points - half, points + half)
+    window.values[tuple(doubtful[world.distance(best) < clearance - ROUNDING].T)] = OUTSIDE
+    window.values.reshape(-1)[places] = OUTSIDE

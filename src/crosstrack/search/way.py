@@ -20,6 +20,8 @@ DOUBT = 3.0
 REPAIRS = 200
 PAD = 6.0
 """m, that a window reaches beyond the two points at least"""
+FEW_POINTS = 1_500_000
+"""of a lattice over the whole box, up to which it is one window"""
 GROWTH = 2.5
 """times as wide is the next window, when there is no way in one or a longer one may be shorter outside"""
 
@@ -47,6 +49,8 @@ def find_way(world: Map, start: Array, goal: Array, clearance: float, box: Array
     Raises:
         Unreachable: an end has no room, or there is no way between them.
     """
+    if (inside := float(world.distance(goal))) <= 0.0:
+        raise Unreachable("search", [Problem("goal", f"is inside an obstacle, {-inside:.3g} m deep")])
     out = departure(world, start, clearance, box, "start")
     into = departure(world, goal, clearance, box, "goal")[::-1]
     first, last = out[-1], into[0]
@@ -65,6 +69,8 @@ def wide_search(world: Map, first: Array, last: Array, clearance: float, box: Ar
     """
     span = float(np.linalg.norm(last - first))
     pad, best = max(PAD, 0.25 * span), None
+    if np.prod(box[1] - box[0]) < FEW_POINTS * (SOUND * clearance) ** 3:
+        pad = np.inf
     while True:
         part = np.array([np.minimum(first, last) - pad, np.maximum(first, last) + pad]).clip(*box)
         window = look(world, part, clearance, reach)
@@ -75,7 +81,7 @@ def wide_search(world: Map, first: Array, last: Array, clearance: float, box: Ar
             needed = 0.5 * max(length(best) ** 2 - span**2, 0.0) ** 0.5
             if found.closed or needed <= pad or coarse:
                 return best
-            pad = needed
+            pad = 1.1 * needed
         elif best is not None:
             return best
         elif found.closed or coarse:
@@ -93,7 +99,7 @@ def narrow(clearance: float, cell: float) -> str:
 def search_window(world: Map, window: Window, first: Array, last: Array, clearance: float, box: Array) -> Found:
     """Return the way within a window, repaired where the lattice could not tell; blocked places are searched around."""
     start, goal = window.index(first), window.index(last)
-    span, heights = window.values.shape[1:]
+    heights = window.values.shape[2]
     closed = np.array_equal(window.box, box)
     for _ in range(REPAIRS):
         freest = np.ascontiguousarray(window.values.max(axis=2))

@@ -1,8 +1,8 @@
 """What one scan changes in the points that are held.
 
 Hits on obstacles become points. A point goes when rays went through it: the ray nearest to it measured more than it is
-away, by a margin, and so did the eight around that ray. Where a surface is seen at a shallow angle, or ends, one of these
-is shorter, so that it is not worn away; the ground is no such surface.
+away, by a margin, and so did the eight around that ray. Where a surface is seen at a shallow angle, or ends, one of
+these is shorter, so that it is not worn away; the ground is no such surface.
 """
 
 import math
@@ -10,8 +10,19 @@ import math
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.sense.blocks import MOST_TRUST, MOST_WEIGHT, Blocks, coarse, fourth, give_back, remove, start_point, take
-from crosstrack.sense.pose import turned_back, turned_to
+from crosstrack.sense.blocks import (
+    MOST_TRUST,
+    MOST_WEIGHT,
+    Blocks,
+    coarse,
+    fourth,
+    frame,
+    give_back,
+    remove,
+    start_point,
+    take,
+)
+from crosstrack.sense.pose import entries, turned_back, turned_to
 from crosstrack.sense.range_image import RangeImage, texel
 from crosstrack.types import Array
 
@@ -73,16 +84,18 @@ def clear(
         reach: m, of the sensor
     """
     aside, far = (BESIDE * blocks.cell) ** 2, (reach + 4.0 * blocks.cell) ** 2
-    points, count, seen, trust, to = blocks.points, blocks.count, blocks.seen, blocks.trust, image.directions
+    turn, start, scale = entries(turned), image.start, image.scale
+    around, high = image.rays.shape
+    points, count, seen, trust, to = blocks.points, blocks.filled, blocks.seen, blocks.trust, image.directions
     for b in range(blocks.pool[0]):
         for p in range(count[b] - 1, -1, -1):
             x, y, z = points[b, 0, p] - origin[0], points[b, 1, p] - origin[1], points[b, 2, p] - origin[2]
             square = x * x + y * y + z * z
             if square > far:
                 break
-            bx, by, bz = turned_back(turned, x, y, z)
-            i, j = texel(bx, by, bz, image.start, image.scale)
-            ray = image.rays[i % image.rays.shape[0], j] if 0 <= j < image.rays.shape[1] else -1
+            bx, by, bz = turned_back(turn, x, y, z)
+            i, j = texel(bx, by, bz, start, scale)
+            ray = image.rays[i % around, j] if 0 <= j < high else -1
             r = math.sqrt(square)
             if ray < 0 or free[ray] <= r - margin:
                 continue
@@ -115,12 +128,12 @@ def add_hits(
         time: s
         first: where to begin
     """
-    cell, window, index, slot = blocks.cell, blocks.window, blocks.index, blocks.slot
+    turn, cell, window, index, slot = entries(turned), blocks.cell, frame(blocks), blocks.parts, blocks.slot
     for ray in range(first, len(ranges)):
         r = ranges[ray]
         if r == math.inf:
             continue
-        x, y, z = turned_to(turned, directions[ray, 0], directions[ray, 1], directions[ray, 2])
+        x, y, z = turned_to(turn, directions[ray, 0], directions[ray, 1], directions[ray, 2])
         x, y, z = origin[0] + r * x, origin[1] + r * y, origin[2] + r * z
         i, j, k = math.floor(x / cell), math.floor(y / cell), math.floor(z / cell)
         cube = coarse(window, i >> 4, j >> 4, k >> 4)

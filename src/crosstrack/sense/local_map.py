@@ -16,6 +16,8 @@ from crosstrack.types import Array, Scan, State
 
 FIRST_BLOCKS = 1024
 MOST_IMAGES = 8
+WIDEST = 64.0
+"""m, of a window: what sensors see beyond half of that is not kept"""
 GROUND_TOLERANCE = 0.15
 """m, above the ground up to which a hit is one of the ground"""
 MARGIN = 1.5
@@ -40,9 +42,7 @@ class LocalMap:
         clearance: m, least distance at which `optimism` holds
     """
 
-    def __init__(
-        self, size: float, cell: float, told: Map, *, reach: float = 5.0, clearance: float = 0.2
-    ) -> None:
+    def __init__(self, size: float, cell: float, told: Map, *, reach: float = 5.0, clearance: float = 0.2) -> None:
         self.told, self.cell, self.reach, self.clearance = told, cell, reach, clearance
         self._blocks = empty(cell, math.ceil(size / (cell * SIDE)), FIRST_BLOCKS)
         self._around = nearest_point.around(reach, cell * SIDE)
@@ -50,8 +50,8 @@ class LocalMap:
 
     @classmethod
     def around(cls, sensors: Sequence[Sensor], told: Map) -> "LocalMap":
-        """Return the empty map for some sensors: twice as wide as they reach."""
-        return cls(2.0 * max(sensor.range for sensor in sensors) + 2.0, 0.1, told)
+        """Return the empty map for some sensors: as wide as they see to both sides, at most `WIDEST`."""
+        return cls(min(2.0 * max(sensor.range for sensor in sensors) + 2.0, WIDEST), 0.1, told)
 
     @property
     def ground(self) -> float:
@@ -104,7 +104,9 @@ class LocalMap:
         return image
 
     def _unknown(self, hits: Array, scan: Scan, turned: Array, origin: Array) -> Array:
-        """Return the ranges with inf for those that hit what is known: ends where expected, or near a known obstacle."""
+        """Return the ranges with inf for those that hit what is known: as far as expected, or near it."""
+        if float(self.told.distance(origin)) > scan.max_range:
+            return hits
         expected = self.told.cast(origin, scan.directions @ turned.T, scan.max_range)
         left = np.flatnonzero((hits < np.inf) & (hits < expected - KNOWN))
         out = np.full(len(hits), np.inf)
@@ -131,7 +133,7 @@ class LocalMap:
         return nearest_point.swept(self._blocks, self._around, start, end, self.reach)
 
     def field(self, low: Array, cell: float, counts: tuple[int, int, int], reach: float) -> Field:
-        """Return the distance at the points of a lattice, see `protocols.Map`; too large by a small part of a cell at most."""
+        """Return the distance at the points of a lattice, see `protocols.Map`; exact."""
         low = np.asarray(low, dtype=float)
         points = self.points
         high = low + cell * (np.array(counts) - 1)

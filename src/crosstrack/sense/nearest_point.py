@@ -1,7 +1,7 @@
 """The nearest of the points to a point, and to a straight segment.
 
-The coarse cubes around the middle of the segment are looked at from the nearest on. A cube or a block that is farther from
-the middle than the best distance so far plus half the segment holds nothing nearer, so the answer is exact.
+The coarse cubes around the middle of the segment are looked at from the nearest on. A cube or a block that is farther
+from the middle than the best distance so far plus half the segment holds nothing nearer, so the answer is exact.
 """
 
 import math
@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.sense.blocks import SIDE, VOXELS, Blocks, Integers, coarse
+from crosstrack.sense.blocks import SIDE, VOXELS, Blocks, Integers, coarse, frame
 from crosstrack.types import Array
 
 TOLERANCE = 1e-3
@@ -62,7 +62,7 @@ def square_to_point(segment: Segment, px: float, py: float, pz: float) -> float:
 def nearest(blocks: Blocks, around: Around, segment: Segment, best: Found) -> Found:
     """Return the point nearest to a segment if it is nearer than the best so far."""
     cubes, bounds = around
-    window, index, active, count, points = blocks.window, blocks.index, blocks.active, blocks.count, blocks.points
+    window, index, active, count, points = frame(blocks), blocks.parts, blocks.active, blocks.filled, blocks.points
     edge, half = blocks.cell * SIDE, segment[6]
     i, j, k = math.floor(segment[0] / edge), math.floor(segment[1] / edge), math.floor(segment[2] / edge)
     least, far = best[0] * best[0], best[0] + half
@@ -134,12 +134,16 @@ def swept(blocks: Blocks, around: Around, start: Array, end: Array, reach: float
 
 @compiled
 def cast(blocks: Blocks, around: Around, origin: Array, directions: Array, reach: float, near: float) -> Array:
-    """Return how far (n,) m rays go until they are `near` (m) a point held, within 1 mm; inf where not within reach (m)."""
+    """Return how far (n,) m rays go until they are `near` (m) a point held, within 1 mm; inf where not in reach (m)."""
     out = np.empty(len(directions))
     for r in range(len(directions)):
         t, ahead = 0.0, 0.0
         while t <= reach:
-            x, y, z = origin[0] + t * directions[r, 0], origin[1] + t * directions[r, 1], origin[2] + t * directions[r, 2]
+            x, y, z = (
+                origin[0] + t * directions[r, 0],
+                origin[1] + t * directions[r, 1],
+                origin[2] + t * directions[r, 2],
+            )
             ahead = nearest(blocks, around, (x, y, z, 0.0, 0.0, 0.0, 0.0), (near + PATIENCE, 0.0, 0.0, 0.0))[0] - near
             if ahead <= TOLERANCE:
                 break

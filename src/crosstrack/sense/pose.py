@@ -7,6 +7,10 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 
+Triple = tuple[float, float, float]
+Turn = tuple[float, float, float, float, float, float, float, float, float]
+"""from the body to the world: the matrix of `axes`, row by row"""
+
 
 @compiled
 def axes(attitude: Array) -> Array:
@@ -20,26 +24,27 @@ def axes(attitude: Array) -> Array:
 
 
 @compiled
-def turned_to(turned: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a vector of the body in the world, by the matrix of `axes`."""
-    return (
-        turned[0, 0] * x + turned[0, 1] * y + turned[0, 2] * z,
-        turned[1, 0] * x + turned[1, 1] * y + turned[1, 2] * z,
-        turned[2, 0] * x + turned[2, 1] * y + turned[2, 2] * z,
-    )
+def entries(matrix: Array) -> Turn:
+    """Return a matrix (3, 3) as numbers, which are quicker to pass on."""
+    one = matrix[0, 0], matrix[0, 1], matrix[0, 2]
+    return one + (matrix[1, 0], matrix[1, 1], matrix[1, 2], matrix[2, 0], matrix[2, 1], matrix[2, 2])
 
 
 @compiled
-def turned_back(turned: Array, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a vector of the world in the body, by the matrix of `axes`."""
-    return (
-        turned[0, 0] * x + turned[1, 0] * y + turned[2, 0] * z,
-        turned[0, 1] * x + turned[1, 1] * y + turned[2, 1] * z,
-        turned[0, 2] * x + turned[1, 2] * y + turned[2, 2] * z,
-    )
+def turned_to(turn: Turn, x: float, y: float, z: float) -> Triple:
+    """Return a vector of the body in the world."""
+    a, b, c, d, e, f, g, h, i = turn
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+
+
+@compiled
+def turned_back(turn: Turn, x: float, y: float, z: float) -> Triple:
+    """Return a vector of the world in the body."""
+    a, b, c, d, e, f, g, h, i = turn
+    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
 def mounting(yaw: float, pitch: float) -> Array:
-    """Return the matrix (3, 3) that turns vectors of a sensor into the body: first pitched (rad, nose down), then yawed."""
+    """Return the matrix (3, 3) that turns vectors of a sensor into the body: pitched (rad, nose down), then yawed."""
     a, b, c, d = math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch)
     return np.array([[a * c, -b, a * d], [b * c, a, b * d], [-d, 0.0, c]])

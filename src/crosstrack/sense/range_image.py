@@ -11,6 +11,8 @@ from crosstrack.types import Array
 
 MOST_TEXELS = 4096
 """around, and half as many upwards"""
+FINER = 3
+"""texels across the usual angle between rays"""
 SPREADS = 3
 """texels to each side that a ray answers for where no other does"""
 
@@ -22,27 +24,25 @@ class RangeImage(NamedTuple):
     """(rays, 3) unit vectors, body"""
     rays: NDArray[np.int32]
     """(around, up) the ray nearest to each texel, -1 for none"""
-    start: Array
-    """(2,) rad, bearing and elevation where the first texel begins"""
-    scale: Array
-    """(2,) texels/rad"""
+    start: tuple[float, float]
+    """rad, bearing and elevation where the first texel begins"""
+    scale: tuple[float, float]
+    """texels/rad, around and up"""
     rows: int
     """of the picture that the rays form"""
 
 
 def image_of(directions: Array, rows: int) -> RangeImage:
-    """Return the picture of rays (n, 3) in the body that form so many rows; a texel is about as wide as the rays are apart."""
+    """Return the picture of rays (n, 3) in the body that form so many rows."""
     rows = rows if rows > 0 and len(directions) % rows == 0 else 1
     bearing, up = np.arctan2(directions[:, 1], directions[:, 0]), np.arcsin(np.clip(directions[:, 2], -1, 1))
     across = _step(np.diff(bearing.reshape(rows, -1), axis=1))
     above = _step(np.diff(up.reshape(rows, -1), axis=0)) if rows > 1 else across
-    around = int(np.clip(round(2 * np.pi / across), 8, MOST_TEXELS))
-    high = int(np.clip(round(np.pi / above), 4, MOST_TEXELS // 2))
-    scale = np.array([around / (2 * np.pi), high / np.pi])
-    start = np.array([bearing[0], up[0]]) - 0.5 / scale
-    start -= 2 * np.pi * np.array([np.ceil((start[0] + np.pi) / (2 * np.pi)), 0.0])
-    start[1] -= np.ceil((start[1] + np.pi / 2) * scale[1]) / scale[1]
-    rays = np.full((around, high + 1), -1, dtype=np.int32)
+    around = int(np.clip(round(FINER * 2 * np.pi / across), 8, MOST_TEXELS))
+    high = int(np.clip(round(FINER * np.pi / above), 4, MOST_TEXELS // 2))
+    scale = (around / (2 * math.pi), high / math.pi)
+    start = (_before(bearing[0], -math.pi, scale[0]), _before(up[0], -math.pi / 2, scale[1]))
+    rays = np.full((around, high + 2), -1, dtype=np.int32)
     rays[_texel(bearing, start[0], scale[0]) % around, _texel(up, start[1], scale[1])] = np.arange(len(directions))
     return RangeImage(np.ascontiguousarray(directions), _spread(rays), start, scale, rows)
 
@@ -52,6 +52,11 @@ def _step(steps: Array) -> float:
     steps = np.abs((steps + np.pi) % (2 * np.pi) - np.pi)
     steps = steps[steps > 1e-6]
     return float(np.median(steps)) if steps.size else 2 * np.pi / MOST_TEXELS
+
+
+def _before(angle: float, low: float, scale: float) -> float:
+    """Return where texels begin, at `low` (rad) or just below, so that an angle is in the middle of one."""
+    return angle - (math.ceil((angle - low) * scale - 0.5) + 0.5) / scale
 
 
 def _texel(angle: Array, start: float, scale: float) -> NDArray[np.int64]:
@@ -89,7 +94,7 @@ def arctangent(y: float, x: float) -> float:
 
 
 @compiled
-def texel(x: float, y: float, z: float, start: Array, scale: Array) -> tuple[int, int]:
+def texel(x: float, y: float, z: float, start: tuple[float, float], scale: tuple[float, float]) -> tuple[int, int]:
     """Return the texel of a direction in the body, of any length: around, to be wrapped, and up, -1 where below all."""
     up = (arctangent(z, math.sqrt(x * x + y * y)) - start[1]) * scale[1]
     return int((arctangent(y, x) - start[0]) * scale[0]), int(up) if up >= 0.0 else -1

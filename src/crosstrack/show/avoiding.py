@@ -10,6 +10,10 @@ from crosstrack.flight.plan import Plan
 from crosstrack.show.style import AVOIDERS, INK
 from crosstrack.types import Array
 
+SEEN_IN_SPACE, SEEN_FROM_ABOVE = 10_000, 4_000
+"""points that the sensors saw, drawn at most"""
+SIGHTED = "seen by the sensors"
+"""what they are called in a legend"""
 OFF_GROUND = 0.1
 """m, above the ground, from which on what was seen is drawn"""
 
@@ -20,16 +24,25 @@ class Intervention:
 
     name: str
     color: str
+    guards: bool
+    """whether it is there for safety alone: then it is marked on the path, others as a band along it"""
     rows: NDArray[np.bool_]
     """(n,) whether the command flown until each sample was changed by it"""
+
+    def band(self, positions: Array) -> Array:
+        """Return positions (n, 3) m with NaN for those where it did not step in."""
+        return np.where(self.rows[:, None], positions, np.nan)
 
 
 def interventions(flight: Flight) -> list[Intervention]:
     """Return what each avoider of the chain did; nothing without any."""
     mask = flight.record.interventions.astype(np.int64)
     plan = flight.plan
-    looks = zip(names(plan), colors(plan), strict=True)
-    return [Intervention(name, color, (mask >> k & 1).astype(bool)) for k, (name, color) in enumerate(looks)]
+    looks = zip(names(plan), colors(plan), plan.avoiders, strict=True)
+    return [
+        Intervention(name, color, avoider.guards, (mask >> k & 1).astype(bool))
+        for k, (name, color, avoider) in enumerate(looks)
+    ]
 
 
 def names(plan: Plan) -> list[str]:
@@ -52,9 +65,8 @@ def replanned(flight: Flight) -> Array:
 
 def seen(flight: Flight, box: Array, most: int) -> Array:
     """Return what the sensors saw above the ground within a box (2, 3) m, (n, 3) m, at most `most` points."""
-    points = flight.seen
-    if not len(points):
-        return points
+    points: Array = flight.seen
     inside = ((points >= box[0]) & (points <= box[1])).all(axis=1)
     points = points[inside & (points[:, 2] > flight.plan.scenario.world.ground + OFF_GROUND)]
-    return points[:: max(1, -(-len(points) // most))]
+    thinned: Array = points[:: max(1, -(-len(points) // most))]
+    return thinned

@@ -8,19 +8,23 @@ from numpy.typing import NDArray
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene
-from crosstrack.show.avoiding import interventions, replanned, seen
+from crosstrack.show.avoiding import (
+    SEEN_FROM_ABOVE,
+    SEEN_IN_SPACE,
+    SIGHTED,
+    Intervention,
+    interventions,
+    replanned,
+    seen,
+)
 from crosstrack.show.extent import extent
 from crosstrack.show.layouts import DASHES, curve, plan_layout, space_layout, times_layout
 from crosstrack.show.panels import Panel
 from crosstrack.show.stage import NOWHERE, groups
 from crosstrack.show.style import ALARM, INK, MOVING, PLANNED, ROUTE, SEEN
 from crosstrack.show.traces import Figure, backdrop, cloud2, cloud3, line2, line3, mark, mark3, patch, solid
-from crosstrack.show.traffic import tracks
+from crosstrack.show.traffic import MOVERS, tracks
 from crosstrack.types import Array, Outcome
-
-MOVERS = "moving obstacles"
-SEEN_IN_SPACE, SEEN_FROM_ABOVE = 15_000, 6_000
-"""points that the sensors saw, drawn at most"""
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,10 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         line3(line, name, **look) | {"hoverinfo": "skip"} | more for name, line, look, more in courses(views, scene)
     ]
     if len(points := seen_by(views, box, SEEN_IN_SPACE)):
-        traces.append(cloud3(points, "seen by the sensors", SEEN))
+        traces.append(cloud3(points, SIGHTED, SEEN))
+    for each, band in stepped_in(views, guards=False):
+        look = line3(band, f"{each.name} stepped in", color=each.color, width=18)
+        traces.append(look | {"opacity": 0.3, "hoverinfo": "skip"})
     for view in views:
         name = name_of(view, views)
         flown = line3(view.flight.record.position[view.rows], name, color=view.color, width=7)
@@ -54,12 +61,12 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
     for view in views:  # in the legend: a path of many colours is black there
         name = name_of(view, views)
         traces.append(line3(NOWHERE, name, color=view.color, width=5) | {"legendgroup": name})
-    traces += [mark3(*each) for each in (*stepped_in(views), *marks(views))]
-    for number, each in enumerate(tracks([view.flight for view in views], box)):
-        of_group = {"legendgroup": MOVERS, "hoverinfo": "skip"}
-        line = line3(each.line, MOVERS, color=MOVING, width=3, dash="dot")
-        traces.append(line | of_group | {"showlegend": number == 0})
-        traces.append(solid(MOVERS, *each.mesh, MOVING) | of_group | {"showlegend": False, "meta": "mover"})
+    traces += [mark3(*each) for each in (*guarded(views), *marks(views))]
+    for track in tracks([view.flight for view in views], box):
+        way = line3(track.line, MOVERS, color=MOVING, width=3, dash="dot")
+        traces.append(way | {"legendgroup": MOVERS, "showlegend": False, "hoverinfo": "skip"})
+        moving = solid(MOVERS, *track.mesh, MOVING)
+        traces.append(moving | {"legendgroup": MOVERS, "showlegend": track.first, "meta": "mover"})
     return {"data": traces, "layout": space_layout(box)}
 
 
@@ -84,17 +91,23 @@ def seen_by(views: Sequence[View], box: Array, most: int) -> Array:
     return np.concatenate([seen(view.flight, box, most // len(views)) for view in views])
 
 
-def stepped_in(views: Sequence[View]) -> list[tuple[str, Array, Figure]]:
-    """Return name, points (n, 3) m and marker of where each avoider stepped in."""
-    found: dict[str, tuple[str, list[Array]]] = {}
+def stepped_in(views: Sequence[View], guards: bool) -> Iterator[tuple[Intervention, Array]]:
+    """Yield the avoiders, those that guard or the others, and the paths of all vehicles where they stepped in."""
+    found: dict[str, tuple[Intervention, list[Array]]] = {}
     for view in views:
         for each in interventions(view.flight):
-            rows = view.rows[each.rows[view.rows]]
-            found.setdefault(each.name, (each.color, []))[1].append(view.flight.record.position[rows])
-    drawn = [(f"{name} stepped in", color, np.concatenate(points)) for name, (color, points) in found.items()]
-    return [
-        (name, points, {"size": 5, "color": color, "symbol": "circle"}) for name, color, points in drawn if len(points)
-    ]
+            if each.guards is guards and each.rows[view.rows].any():
+                band = each.band(view.flight.record.position)[view.rows]
+                found.setdefault(each.name, (each, []))[1].extend((band, NOWHERE))
+    for each, bands in found.values():
+        yield each, np.concatenate(bands)
+
+
+def guarded(views: Sequence[View]) -> Iterator[tuple[str, Array, Figure]]:
+    """Yield name, points (n, 3) m and marker of where each avoider that guards stepped in."""
+    for each, band in stepped_in(views, guards=True):
+        known = np.isfinite(band).all(axis=1)
+        yield f"{each.name} stepped in", band[known], {"size": 6, "color": each.color, "symbol": "circle"}
 
 
 def name_of(view: View, views: Sequence[View]) -> str:
@@ -110,20 +123,21 @@ def plan_view(views: Sequence[View], scene: Scene) -> Figure:
     for name, line, look, more in courses(views, scene):
         traces.append(line2(line, name, **look | {"width": 1.5}) | more)
     if len(points := seen_by(views, box, SEEN_FROM_ABOVE)):
-        traces.append(cloud2(points, "seen by the sensors", SEEN))
+        traces.append(cloud2(points, SIGHTED, SEEN))
+    for each, band in stepped_in(views, guards=False):
+        traces.append(line2(band, f"{each.name} stepped in", color=each.color, width=10) | {"opacity": 0.3})
     traces += [
         line2(view.flight.record.position[view.rows], name_of(view, views), color=view.color, width=2.5)
         for view in views
     ]
     for group in standing:
         traces.append(mark(group.name, NOWHERE, {"size": 12, "color": group.footprint, "symbol": "square"}))
-    traces += [mark(*each) for each in (*stepped_in(views), *marks(views))]
-    for number, each in enumerate(tracks([view.flight for view in views], box)):
-        line = line2(each.line, MOVERS, color=MOVING, width=1.5, dash="dot")
-        traces.append(line | {"legendgroup": MOVERS, "showlegend": number == 0})
-        traces.append(
-            patch(each.outline(), MOVERS, MOVING) | {"legendgroup": MOVERS, "showlegend": False, "meta": "mover"}
-        )
+    traces += [mark(*each) for each in (*guarded(views), *marks(views))]
+    for track in tracks([view.flight for view in views], box):
+        way = line2(track.line, MOVERS, color=MOVING, width=1.5, dash="dot")
+        traces.append(way | {"legendgroup": MOVERS, "showlegend": False})
+        moving = patch(track.outline(track.mesh.vertices), MOVERS, MOVING)
+        traces.append(moving | {"legendgroup": MOVERS, "showlegend": track.first, "meta": "mover"})
     return {"data": traces, "layout": plan_layout(box)}
 
 

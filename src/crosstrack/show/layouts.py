@@ -34,7 +34,7 @@ def space_layout(box: Array) -> Figure:
                 for index, name in enumerate("xyz")
             },
         },
-        "legend": {"x": 0, "y": 1, "bgcolor": "rgba(255,255,255,0.75)"},
+        "legend": {"x": 0, "y": 1, "bgcolor": "rgba(255,255,255,0.75)", "itemsizing": "constant"},
         "uirevision": "keep",
     }
 
@@ -48,7 +48,7 @@ def plan_layout(box: Array) -> Figure:
         "plot_bgcolor": "#fff",
         "xaxis": axis | {"title": {"text": "x, east (m)"}, "range": box[:, 0].tolist()},
         "yaxis": axis | {"title": {"text": "y, north (m)"}, "range": box[:, 1].tolist(), "scaleanchor": "x"},
-        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0},
+        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0, "itemsizing": "constant"},
     }
 
 

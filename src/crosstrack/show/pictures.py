@@ -8,27 +8,35 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LightSource, LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
-from numpy.typing import NDArray
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from PIL import Image, ImageChops, ImageOps
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.scene import Scene
+from crosstrack.show.avoiding import (
+    SEEN_FROM_ABOVE,
+    SEEN_IN_SPACE,
+    SIGHTED,
+    Intervention,
+    interventions,
+    replanned,
+    seen,
+)
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
 from crosstrack.show.panels import HEADROOM, Panel, Role, panels
-from crosstrack.show.sight import hidden, towards
-from crosstrack.show.style import ALARM, FOOTPRINT, GRID, INK, LEAST_TOP, OBSTACLE, PALETTE, PLANNED, ROUTE, SCALE
+from crosstrack.show.solids import AZIMUTH, ELEVATION, behind, faces, lit, unhidden
+from crosstrack.show.stage import ABSENT, groups, stage
+from crosstrack.show.style import ALARM, GRID, INK, LEAST_TOP, MOVING, PALETTE, PLANNED, ROUTE, SCALE, SEEN
+from crosstrack.show.traffic import MOVERS, tracks
 from crosstrack.show.words import CHASED
 from crosstrack.types import Array, Outcome
 
 DPI = 130
 MARGIN = 40
 """pixels, around a picture"""
-ELEVATION, AZIMUTH = 32.0, -122.0
-"""degrees, where the view in space is taken from"""
 HIDDEN = 0.25
 """opacity of a path behind obstacles"""
 STYLES: dict[Role, str] = {"flown": "-", "planned": "--", "asked": ":", "limit": "-."}
@@ -83,57 +91,59 @@ def space(flight: Flight, drawn: Scene, error: Array) -> Figure:
     figure = sheet(9, 6.5)
     axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
     box = extent([flight], drawn)
-    faces, colors = facing(solids(flight, drawn, box))
-    if len(faces):
-        axes.add_collection3d(solid(faces, colors), autolim=False)
-    for label, line, look in lines(flight, drawn):
-        axes.plot(*unless(behind(line, faces), line).T, label=label, **look, zorder=2)
-    points = seen(flight, box, SEEN_IN_SPACE)
-    axes.plot(*unless(behind(points, faces), points).T, **SEEN_LOOK, zorder=2.5)
-    shades = LinearSegmentedColormap.from_list("error", SCALE)
-    scale = ScalarMappable(Normalize(0, max(LEAST_TOP["error"], float(np.nanmax(error)))), shades)
-    axes.add_collection(path(flight, scale.to_rgba(error[1:]), faces))
+    moving = tracks([flight], box)
+    corners, shades = faces(drawn, moving)
+    if len(corners):
+        axes.add_collection3d(lit(corners, shades), autolim=False)
+    axes.plot(*unhidden(drawn.route, corners).T, "--", color=ROUTE, linewidth=1, label="route", zorder=2)
+    if len(points := seen(flight, box, SEEN_IN_SPACE)):
+        axes.plot(*unhidden(points, corners).T, **dots(SEEN, 0.8), zorder=2.5)
+        axes.plot([], [], **dots(SEEN, 3), label=SIGHTED)
+    for each in stepped_in(flight):
+        axes.plot(
+            *unhidden(each.band(flight.record.position), corners).T, **mark_of(each), zorder=3.5 if each.guards else 2.7
+        )
+    colors = LinearSegmentedColormap.from_list("error", SCALE)
+    scale = ScalarMappable(Normalize(0, max(LEAST_TOP["error"], float(np.nanmax(error)))), colors)
+    axes.add_collection(path(flight, scale.to_rgba(error[1:]), corners))
     axes.plot([], [], color=SCALE[0][1], linewidth=2.5, label="flown")
-    for label, position, look in (*marks(flight), *ends(flight)):
-        axes.plot(*position.T, **look, label=label, zorder=4)
-    name_solids(axes, flight, drawn)
+    for label, point, look in ends(flight, drawn):
+        axes.plot(*point[:, None], **look, label=label, zorder=4)
+    for track in moving:
+        axes.plot(*unhidden(track.line, corners).T, ":", color=MOVING, linewidth=1.2, zorder=2)
+    special = [(group.name, group.color) for group in groups(drawn) if group.name == ABSENT]
+    for name, color in [*special, *([(MOVERS, MOVING)] if moving else [])]:
+        axes.plot([], [], "s", color=color, markersize=9, label=name)
     frame(axes, box)
     figure.colorbar(scale, ax=axes, shrink=0.6, pad=0.1, label="cross-track error (m)")
     heading(axes, flight)
-    place = {"loc": "outside lower center", "ncols": 4} if flight.plan.avoiders or drawn.solid() is None else {}
     axes.legend(loc="upper left", frameon=False)
     return figure
 
 
-def path(flight: Flight, colors: Array, faces: Array | None) -> Line3DCollection:
-    """Return the path flown, a line for every step, faint where it is behind the faces of obstacles."""
+def dots(color: str, size: float) -> dict[str, Any]:
+    """Return the look of points that are not joined, of a size in points."""
+    return {"linestyle": "none", "marker": ".", "markeredgewidth": 0, "color": color, "markersize": 2 * size}
+
+
+def stepped_in(flight: Flight) -> list[Intervention]:
+    """Return the avoiders that stepped in anywhere."""
+    return [each for each in interventions(flight) if each.rows.any()]
+
+
+def mark_of(each: Intervention) -> dict[str, Any]:
+    """Return the look of where an avoider stepped in: dots on the path for a guard, a band along it for any other."""
+    look = dots(each.color, 2.5) if each.guards else {"color": each.color, "linewidth": 8, "alpha": 0.25}
+    return look | {"label": f"{each.name} stepped in"}
+
+
+def path(flight: Flight, colors: Array, corners: Array) -> Line3DCollection:
+    """Return the path flown, a line for every step, faint where it is behind the faces (n, 3, 3) m of obstacles."""
     position = flight.record.position
     segments = np.stack([position[:-1], position[1:]], axis=1)
-    far = behind(segments.mean(axis=1), faces)
+    far = behind(segments.mean(axis=1), corners)
     faint = np.where(far[:, None], colors * [1, 1, 1, HIDDEN], colors)
     return Line3DCollection(segments, colors=faint, linewidth=np.where(far, 1.5, 2.5), capstyle="butt", zorder=3)
-
-
-def behind(points: Array, faces: Array | None) -> NDArray[np.bool_]:
-    """Return which points (n, 3) m are hidden by faces (m, 3, 3) m, (n,)."""
-    return np.zeros(len(points), dtype=bool) if faces is None else hidden(points, faces, towards(ELEVATION, AZIMUTH))
-
-
-def facing(drawn: Scene) -> Array | None:
-    """Return the faces (n, 3, 3) m of obstacles turned to the viewer, so that none shines through another."""
-    if (obstacles := drawn.solid()) is None:
-        return None
-    vertices, triangles = obstacles
-    corners = vertices[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    turned: Array = corners[normals @ towards(ELEVATION, AZIMUTH) > 0.0]
-    return turned
-
-
-def solid(faces: Array) -> Poly3DCollection:
-    """Return faces (n, 3, 3) m in the light."""
-    light = LightSource(azdeg=200, altdeg=50)
-    return Poly3DCollection(faces, facecolors=OBSTACLE, shade=True, lightsource=light, antialiased=False, zorder=1)
 
 
 def ends(flight: Flight, drawn: Scene) -> list[tuple[str, Array, dict[str, Any]]]:
@@ -175,20 +185,34 @@ def plan_view(flight: Flight, drawn: Scene) -> Figure:
     axes.plot(*drawn.route[:, :2].T, "--", color=ROUTE, linewidth=1.2, label="route")
     if flight.plan.course.trajectory is not None:
         axes.plot(*drawn.course[:, :2].T, color=PLANNED, linewidth=1.2, label="trajectory")
+    if len(again := replanned(flight)):
+        axes.plot(*again[:, :2].T, ":", color=PLANNED, linewidth=1.2, label="planned again")
+    if len(points := seen(flight, box, SEEN_FROM_ABOVE)):
+        axes.plot(*points[:, :2].T, **dots(SEEN, 0.8))
+        axes.plot([], [], **dots(SEEN, 3), label=SIGHTED)
     axes.plot(*position[:, :2].T, color=PALETTE[0], linewidth=1.8, label="flown")
     every, chased = max(1, len(record.time) // 60), CHASED[flight.plan.course.trajectory is not None]
     axes.plot(*record.aim[::every, :2].T, ".", color=PALETTE[1], markersize=3, label=chased)
+    for each in stepped_in(flight):
+        axes.plot(*each.band(position)[:, :2].T, **mark_of(each), zorder=2.5 if each.guards else 1.5)
     for label, point, look in ends(flight, drawn):
         axes.plot(*point[:2, None], **look, label=label)
-    if drawn.meshes:
-        axes.imshow(footprint(drawn, box).convert("RGBA"), extent=box[:, :2].T.ravel(), zorder=0.6)
-        axes.plot([], [], "s", color=FOOTPRINT, markersize=9, label="obstacles")
+    for group in groups(drawn):
+        image = footprint(group.scene, box, group.footprint).convert("RGBA")
+        axes.imshow(image, extent=box[:, :2].T.ravel(), zorder=0.6)
+        axes.plot([], [], "s", color=group.footprint, markersize=9, label=group.name)
+    for track in tracks([flight], box):
+        axes.plot(*track.line[:, :2].T, ":", color=MOVING, linewidth=1.2)
+        outline = track.outline(track.met)
+        axes.fill(*outline.T, color=MOVING, alpha=0.6, linewidth=0)
+        axes.plot([], [], "s", color=MOVING, markersize=9, label=MOVERS if track.first else None)
     axes.set(xlabel="x, east (m)", ylabel="y, north (m)", xlim=box[:, 0], ylim=box[:, 1])
     axes.set_aspect("equal")
     axes.grid(color=GRID)
     axes.set_axisbelow(True)
     heading(axes, flight)
-    figure.legend(loc="outside lower center", ncols=7, frameon=False)
+    entries = len(axes.get_legend_handles_labels()[1])
+    figure.legend(loc="outside lower center", ncols=7 if entries <= 7 else 4, frameon=False)
     return figure
 
 
@@ -199,16 +223,19 @@ def times(flight: Flight, shown: list[Panel]) -> Figure:
     for axes, panel in zip(rows, shown, strict=True):
         for color, series in zip(panel.colors, panel.series, strict=True):
             style = STYLES[series.role]
-            axes.plot(flight.record.time, series.values, style, color=color, linewidth=1.2, label=series.label)
+            width = 5 if panel.names else 1.2
+            axes.plot(flight.record.time, series.values, style, color=color, linewidth=width, label=series.label)
         axes.margins(x=0, y=HEADROOM)
         if panel.from_zero:
             axes.set_ylim(bottom=0)
         if (limits := panel.range()) is not None:
             axes.set_ylim(limits)
-        axes.set_title(f"{panel.title} ({panel.unit})", loc="left", fontsize=10)
+        if panel.names:
+            axes.set_yticks(range(1, len(panel.names) + 1), panel.names)
+        axes.set_title(panel.heading, loc="left", fontsize=10)
         axes.grid(color=GRID)
         axes.spines[["top", "right"]].set_visible(False)
-        if len(panel.series) > 1:
+        if len(panel.series) > 1 and not panel.names:
             place = {"loc": "lower right", "bbox_to_anchor": (1, 0.98), "borderaxespad": 0.2}
             axes.legend(ncols=len(panel.series), frameon=False, fontsize=9, **place)
     rows[-1].set_xlabel("time (s)")

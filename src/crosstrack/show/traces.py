@@ -84,7 +84,7 @@ def mark3(name: str, positions: Array, marker: Figure) -> Figure:
 
 def cloud3(positions: Array, name: str, color: str) -> Figure:
     """Return many positions (n, 3) as small dots in space."""
-    look = {"size": 1.8, "color": color, "opacity": 0.8}
+    look = {"size": 1.2, "color": color, "opacity": 0.7}
     return {
         "type": "scatter3d",
         "mode": "markers",
@@ -97,7 +97,7 @@ def cloud3(positions: Array, name: str, color: str) -> Figure:
 
 def cloud2(positions: Array, name: str, color: str) -> Figure:
     """Return many positions (n, 3) as small dots of the view from above."""
-    look = {"size": 2.5, "color": color, "opacity": 0.7}
+    look = {"size": 1.6, "color": color, "opacity": 0.6}
     return {"type": "scatter", "mode": "markers", "name": name, "marker": look, "hoverinfo": "skip", **flat(positions)}
 
 

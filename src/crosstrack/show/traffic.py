@@ -13,6 +13,8 @@ from crosstrack.world.mesh import Mesh
 from crosstrack.world.moving import Moving, MovingObstacles
 from crosstrack.world.world import World
 
+MOVERS = "moving obstacles"
+"""what they are called in a legend"""
 POINTS = 200
 """of a track, and instants looked at for where it came nearest"""
 
@@ -28,10 +30,17 @@ class Track:
     """(n, 3) m, way of its middle, NaN outside the drawing"""
     nearest: float
     """s, when it came nearest to a vehicle"""
+    first: bool
+    """whether it is the first of them, which stands for all in a legend"""
 
-    def outline(self) -> Array:
-        """Return its outline from above at time 0, closed, (n, 2) m: the convex hull."""
-        flat = self.mesh.vertices[:, :2]
+    @property
+    def met(self) -> Array:
+        """(n, 3) m, the vertices of its surface when it came nearest"""
+        return self.mesh.vertices + self.mover.shift(self.nearest)
+
+    def outline(self, vertices: Array) -> Array:
+        """Return its outline from above, closed, (n, 2) m: the convex hull of vertices (n, 3) m."""
+        flat = vertices[:, :2]
         corners = ConvexHull(flat).vertices
         hull: Array = flat[np.append(corners, corners[0])]
         return hull
@@ -52,10 +61,11 @@ def tracks(flights: Sequence[Flight], box: Array) -> list[Track]:
     """Return the moving obstacles around flights that were flown at once, within a box (2, 3) m."""
     start = min(float(flight.record.time[0]) for flight in flights)
     end = max(float(flight.record.time[-1]) for flight in flights)
-    return [track(mover, flights, box, np.linspace(start, end, POINTS)) for mover in movers(flights[0].plan)]
+    times = np.linspace(start, end, POINTS)
+    return [track(mover, flights, box, times, number == 0) for number, mover in enumerate(movers(flights[0].plan))]
 
 
-def track(mover: Moving, flights: Sequence[Flight], box: Array, times: Array) -> Track:
+def track(mover: Moving, flights: Sequence[Flight], box: Array, times: Array, first: bool) -> Track:
     """Return one of them."""
     mesh = mover.shape.mesh()
     away = shifts(mover, times)
@@ -63,7 +73,7 @@ def track(mover: Moving, flights: Sequence[Flight], box: Array, times: Array) ->
     inside = ((line >= box[0]) & (line <= box[1])).all(axis=1)
     still = World((mover.shape,))
     gaps = np.min([still.distance(at(flight, times) - away) for flight in flights], axis=0)
-    return Track(mover, mesh, np.where(inside[:, None], line, np.nan), float(times[np.argmin(gaps)]))
+    return Track(mover, mesh, np.where(inside[:, None], line, np.nan), float(times[np.argmin(gaps)]), first)
 
 
 def at(flight: Flight, times: Array) -> Array:

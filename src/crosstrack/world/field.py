@@ -54,7 +54,9 @@ def span(lowest: float, highest: float, low: float, cell: float, count: int) -> 
 
 
 @compiled
-def stamp_upright(table: Table, i: int, low: Array, cell: float, reach: float, values: Field, i0: int, j0: int, k0: int) -> None:
+def stamp_upright(
+    table: Table, i: int, low: Array, cell: float, reach: float, values: Field, i0: int, j0: int, k0: int
+) -> None:
     """Stamp an obstacle that is a plane outline times an interval of heights: its plane distance serves a column."""
     n, kind = table.numbers[i], table.kinds[i]
     bottom, top = (n[2], n[5]) if kind == BOX else (n[6], n[7]) if kind == RELIEF else (n[3], n[4])

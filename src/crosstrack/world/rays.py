@@ -1,7 +1,7 @@
 """How far a ray goes until it hits one obstacle.
 
-A ray starts at a point and goes along a unit vector. Solids have closed forms; grids are walked from cell to cell, exact
-for the union of their occupied cells, and leap where the distance at a corner says that nothing is near.
+A ray starts at a point and goes along a unit vector. Solids have closed forms. Grids are walked from cell to cell,
+which is exact for the union of their occupied cells, in leaps where the distance at a corner says that nothing is near.
 """
 
 import math
@@ -12,15 +12,17 @@ from crosstrack.world.table import BOX, CYLINDER, PRISM, RELIEF, SPHERE, Table
 
 Ray = tuple[float, float, float, float, float, float, float, float, float]
 """origin (m), direction, and the inverse of each component of the direction, 0 for 0"""
+Triple = tuple[float, float, float]
+Corners = tuple[float, float, float, float, float, float]
+"""m, lowest and highest corner of a box"""
 Span = tuple[float, float]
 
 
 @compiled
-def ray_from(origin: Array, directions: Array, row: int) -> Ray:
-    """Return the ray from a point (3,) along one of several unit vectors (n, 3)."""
-    dx, dy, dz = directions[row, 0], directions[row, 1], directions[row, 2]
+def ray_from(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> Ray:
+    """Return the ray from a point along a unit vector."""
     ix, iy = 1.0 / dx if dx != 0.0 else 0.0, 1.0 / dy if dy != 0.0 else 0.0
-    return origin[0], origin[1], origin[2], dx, dy, dz, ix, iy, 1.0 / dz if dz != 0.0 else 0.0
+    return x, y, z, dx, dy, dz, ix, iy, 1.0 / dz if dz != 0.0 else 0.0
 
 
 @compiled
@@ -55,15 +57,15 @@ def entry(span: Span) -> float:
 
 
 @compiled
-def upright(ray: Ray, numbers: Array, row: int) -> float:
-    """Return where a ray enters an upright cylinder."""
-    px, py = ray[0] - numbers[row, 0], ray[1] - numbers[row, 1]
-    dx, dy, radius = ray[3], ray[4], numbers[row, 2]
+def upright(ray: Ray, axis: Triple, low: float, high: float) -> float:
+    """Return where a ray enters an upright cylinder: x and y of its axis, its radius; its heights (m)."""
+    px, py = ray[0] - axis[0], ray[1] - axis[1]
+    dx, dy, radius = ray[3], ray[4], axis[2]
     a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
     square = b * b - a * c
     if square < 0.0 or (b > 0.0 and c > 0.0):
         return math.inf
-    span = slab(ray[2], ray[8], numbers[row, 3], numbers[row, 4])
+    span = slab(ray[2], ray[8], low, high)
     if a == 0.0:
         return entry(span) if c <= 0.0 else math.inf
     root, inverse = math.sqrt(square), 1.0 / a
@@ -83,10 +85,17 @@ def ball(ray: Ray, numbers: Array, row: int) -> float:
 
 
 @compiled
-def box_span(ray: Ray, boxes: Array, at: int) -> Span:
-    """Return the span inside a box of several (n, 6 or more)."""
-    span = common(slab(ray[0], ray[6], boxes[at, 0], boxes[at, 3]), slab(ray[1], ray[7], boxes[at, 1], boxes[at, 4]))
-    return common(span, slab(ray[2], ray[8], boxes[at, 2], boxes[at, 5]))
+def corners_of(boxes: Array, row: int) -> Corners:
+    """Return one of several boxes (n, 6 or more) as numbers."""
+    low = boxes[row, 0], boxes[row, 1], boxes[row, 2]
+    return low + (boxes[row, 3], boxes[row, 4], boxes[row, 5])
+
+
+@compiled
+def box_span(ray: Ray, box: Corners) -> Span:
+    """Return the span inside a box."""
+    span = common(slab(ray[0], ray[6], box[0], box[3]), slab(ray[1], ray[7], box[1], box[4]))
+    return common(span, slab(ray[2], ray[8], box[2], box[5]))
 
 
 @compiled
@@ -104,8 +113,8 @@ def contains(x: float, y: float, corners: Array, first: int, count: int) -> bool
 
 @compiled
 def prism(ray: Ray, numbers: Array, row: int, corners: Array) -> float:
-    """Return where a ray enters an upright prism: through a side, or through an end (or at its start) inside the outline."""
-    x, y, z, dx, dy, dz = ray[:6]
+    """Return where a ray enters an upright prism: through a side, or, inside the outline, at an end or at its start."""
+    x, y, z, dx, dy = ray[:5]
     first, count, low, high = int(numbers[row, 0]), int(numbers[row, 1]), numbers[row, 2], numbers[row, 3]
     span = slab(z, ray[8], low, high)
     best = entry(span)
@@ -148,7 +157,7 @@ def relief(table: Table, row: int, ray: Ray, far: float) -> float:
     numbers, values = table.numbers, table.values
     first, nx, ny, size = int(numbers[row, 0]), int(numbers[row, 1]), int(numbers[row, 2]), numbers[row, 3]
     lx, ly = numbers[row, 4], numbers[row, 5]
-    span = box_span(ray, table.boxes, row)
+    span = box_span(ray, corners_of(table.boxes, row))
     t, end = entry(span), min(span[1], far)
     flat = math.sqrt(dx * dx + dy * dy)
     i = j = -1
@@ -184,7 +193,7 @@ def voxels(table: Table, row: int, ray: Ray, far: float) -> float:
     numbers, values = table.numbers, table.values
     first, nx, ny, nz = int(numbers[row, 0]), int(numbers[row, 1]), int(numbers[row, 2]), int(numbers[row, 3])
     size, lx, ly, lz = numbers[row, 4], numbers[row, 5], numbers[row, 6], numbers[row, 7]
-    span = box_span(ray, table.boxes, row)
+    span = box_span(ray, corners_of(table.boxes, row))
     t, end = entry(span), min(span[1], far)
     i = j = k = -1
     tx = ty = tz = 0.0
@@ -219,12 +228,13 @@ def voxels(table: Table, row: int, ray: Ray, far: float) -> float:
 
 @compiled
 def hit(table: Table, i: int, ray: Ray, far: float) -> float:
-    """Return how far (m) a ray goes until it hits obstacle `i`; inf, or beyond `far`, where it does not within `far`."""
+    """Return how far (m) a ray goes until it hits obstacle `i`; inf or more than `far` where not within `far` (m)."""
     kind = table.kinds[i]
     if kind == CYLINDER:
-        return upright(ray, table.numbers, i)
+        n = table.numbers
+        return upright(ray, (n[i, 0], n[i, 1], n[i, 2]), n[i, 3], n[i, 4])
     if kind == BOX:
-        return entry(box_span(ray, table.numbers, i))
+        return entry(box_span(ray, corners_of(table.numbers, i)))
     if kind == SPHERE:
         return ball(ray, table.numbers, i)
     if kind == PRISM:

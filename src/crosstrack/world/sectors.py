@@ -4,8 +4,8 @@ All rays start at the same point, so the plane around it is cut into sectors onc
 that reach into it, the nearest first. A ray asks those of its own sector until the next begins farther away than the
 nearest hit: one or two in a forest.
 
-The sectors are even in the turn of a direction, t = d_y/(|d_x| + |d_y|) continued to [0, 4): it grows with the bearing, opposite
-directions differ by 2, and it needs no trigonometry.
+The sectors are even in the turn of a direction, t = d_y/(|d_x| + |d_y|) continued to [0, 4): it grows with the bearing,
+opposite directions differ by 2, and it needs no trigonometry.
 """
 
 import math
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 from crosstrack.world.nearest import box_distance
-from crosstrack.world.rays import box_span, hit, ray_from
-from crosstrack.world.table import Table
+from crosstrack.world.rays import box_span, corners_of, hit, ray_from, upright
+from crosstrack.world.table import CYLINDER, Table
 
 Indices = NDArray[np.int64]
 ROUNDING = 1e-9
@@ -75,7 +75,7 @@ def plan_distance(box: Array, origin: Array) -> float:
 
 @compiled
 def covered(box: Array, origin: Array, count: int) -> tuple[int, int]:
-    """Return the first and the last sector that a box reaches into; the first may be negative, the last above `count`."""
+    """Return the first and the last sector that a box reaches into; to be wrapped into [0, count)."""
     lx, ly, hx, hy = box[0] - origin[0], box[1] - origin[1], box[3] - origin[0], box[4] - origin[1]
     if lx <= 0.0 <= hx and ly <= 0.0 <= hy:
         return 0, count - 1
@@ -86,13 +86,13 @@ def covered(box: Array, origin: Array, count: int) -> tuple[int, int]:
         beside -= 4.0 * math.floor((beside + 2.0) / 4.0)
         least, most = min(least, beside), max(most, beside)
     scale = 0.25 * count
-    first = int(math.floor((middle + least - ROUNDING) * scale))
-    return first, min(int(math.floor((middle + most + ROUNDING) * scale)), first + count - 1)
+    first = math.floor((middle + least - ROUNDING) * scale)
+    return first, min(math.floor((middle + most + ROUNDING) * scale), first + count - 1)
 
 
 @compiled
 def listed(table: Table, origin: Array, found: Indices, count: int) -> tuple[Indices, Indices]:
-    """Return the obstacles of each sector in the order of `found`: where each list begins (count + 1,), and the lists."""
+    """Return the obstacles of each sector as places in `found`: where each list begins (count + 1,), and the lists."""
     spans = np.empty((len(found), 2), dtype=np.int64)
     starts = np.zeros(count + 1, dtype=np.int64)
     for k in range(len(found)):
@@ -120,17 +120,23 @@ def cast(table: Table, origin: Array, directions: Array, reach: float) -> Array:
     found, near = found[order], near[order]
     count = min(max(len(directions) // 8, 16), 1024)
     starts, lists = listed(table, origin, found, count)
-    out = np.empty(len(directions))
+    kinds, numbers, out = table.kinds, table.numbers, np.empty(len(directions))
+    whole = corners_of(table.nodes, 0)
     for r in range(len(directions)):
-        ray = ray_from(origin, directions, r)
+        ray = ray_from(origin[0], origin[1], origin[2], directions[r, 0], directions[r, 1], directions[r, 2])
         flat, best = math.sqrt(ray[3] * ray[3] + ray[4] * ray[4]), math.inf
-        ahead = min(reach, box_span(ray, table.nodes, 0)[1] + ROUNDING)
+        ahead = min(reach, box_span(ray, whole)[1] + ROUNDING)
         s = sector(ray[3], ray[4], count)
         for at in range(starts[s], starts[s + 1]):
             k = lists[at]
             if near[k] > ahead * flat + ROUNDING:
                 break
-            t = hit(table, found[k], ray, ahead)
+            i = found[k]
+            if kinds[i] == CYLINDER:
+                axis = numbers[i, 0], numbers[i, 1], numbers[i, 2]
+                t = upright(ray, axis, numbers[i, 3], numbers[i, 4])
+            else:
+                t = hit(table, i, ray, ahead)
             if t <= ahead:
                 best = ahead = t
         out[r] = best

@@ -86,7 +86,7 @@ class World:
     def cast(self, origin: Array, directions: Array, reach: float) -> Array:
         """Return how far (n,) m rays go from a point (3,) along unit vectors (n, 3) until they hit an obstacle.
 
-        inf where that is not within `reach` (m); 0 from inside an obstacle. Exact, for grids as the union of their cells.
+        inf where that is not within `reach` (m); 0 from inside an obstacle. Exact; grids are the union of their cells.
         """
         if self.table is None:
             return np.full(len(directions), np.inf)

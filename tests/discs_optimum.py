@@ -42,7 +42,7 @@ def tangents(centres: Array, radii: Array, most: float) -> tuple[Array, Array, A
     return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))  # type: ignore[return-value]
 
 
-def shortest(start: Array, goal: Array, centres: Array, radii: Array, most: float = 12.0) -> float:
+def shortest(start: Array, goal: Array, centres: Array, radii: Array, most: float = np.inf) -> float:
     """Return the length of the shortest way (m) that meets the inside of no disc; inf without one."""
     start, goal = start[:2], goal[:2]
     far = float(np.linalg.norm(goal - start))
