@@ -27,9 +27,10 @@ TRACKERS := feed_forward cascaded_pid lqr geometric incremental mpc
 
 # The pictures of the documentation.
 pictures: $(VENV)/installed
-	for name in demo article_four_points airsim_path_10; do \
+	for name in demo city article_four_points airsim_path_10; do \
 		$(BIN)/crosstrack fly examples/$$name.yaml --out runs/$$name --png || exit 1; done
-	cp runs/demo/space.png docs/pictures/demo.png
+	cp runs/demo/plan.png docs/pictures/demo.png
+	cp runs/city/space.png docs/pictures/city.png
 	cp runs/article_four_points/plan.png docs/pictures/article_four_points.png
 	cp runs/airsim_path_10/plan.png docs/pictures/airsim_path_10.png
 	for law in $(FOLLOWERS); do \

@@ -5,17 +5,20 @@ python examples/potential_field.py --study 50  flies 50 maps of 20 and of 30 dis
 """
 
 import argparse
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from scipy.ndimage import label
 
-from crosstrack.avoid.potential_escape import Escape
+from crosstrack.avoid.potential_escape import Escape, Side
 from crosstrack.avoid.potential_field import Terms
 from crosstrack.avoid.potential_published import published_path
 from crosstrack.avoid.potential_run import Law, potential_path
+from crosstrack.show.potential_picture import bell_picture, field_picture, sides_picture
 from crosstrack.types import Array, Outcome
-from crosstrack.world.shapes import Cylinder
+from crosstrack.world.shapes import Box, Cylinder
 from crosstrack.world.world import World
 
 START, GOAL = np.zeros(2), np.array([80.0, 80.0])
@@ -26,6 +29,10 @@ CLEAR = 5.0
 """cells, free around start and goal"""
 DEEP = 1000.0
 """cells, half the height of the discs, so that there is no way over them"""
+
+PICTURED = 20_006
+"""seed of the map of the picture"""
+WALL = (Box((40.0, 18.0, -DEEP), (45.0, 56.0, DEEP)),)
 
 ARTICLE = Terms(factor="obstacle", approach=True, near_goal=3.0, boost=3.0)
 TURNED = Escape("rotate", share=0.6)
@@ -73,7 +80,7 @@ def cells(world: World) -> Array:
 def touches(world: World, path: Array) -> bool:
     """Return whether a path (n, 2) touches an obstacle."""
     points = np.column_stack([path, np.ones(len(path))])
-    return any(world.swept(a, b) <= 0 for a, b in zip(points[:-1], points[1:], strict=True))
+    return any(world.swept(a, b) <= 0 for a, b in pairwise(points))
 
 
 def study(maps: int, counts: list[int]) -> None:
@@ -83,7 +90,9 @@ def study(maps: int, counts: list[int]) -> None:
         paths = [published_path(cells(world) > 0, START, GOAL) for world in worlds]
         arrived = [float(np.linalg.norm(path[-1] - GOAL)) <= 2 for path in paths]
         clean = [done and not touches(world, path) for done, world, path in zip(arrived, worlds, paths, strict=True)]
-        print(f"{count} discs | as published | arrived {sum(arrived)}, {sum(clean)} without touching a disc", flush=True)
+        print(
+            f"{count} discs | as published | arrived {sum(arrived)}, {sum(clean)} without touching a disc", flush=True
+        )
         for name, law in LAWS.items():
             runs = [potential_path(world, START, GOAL, law) for world in worlds]
             ends = {end: sum(run.outcome is end for run in runs) for end in Outcome}
@@ -103,12 +112,25 @@ def main() -> None:
     if given.study:
         study(given.study, given.discs)
         return
-    from crosstrack.show.potential_picture import bell_picture, field_picture, sides_picture
+    draw(given.out)
 
-    bell_picture(given.out / "potential_bell.png")
-    world = discs(20, 20_000)
-    field_picture(world, START, GOAL, LAWS["... and keeps the side"], given.out / "potential_field.png")
-    sides_picture(world, START, GOAL, [], given.out / "potential_sides.png")
+
+def draw(folder: Path) -> None:
+    """Draw the pictures."""
+    bell_picture(folder / "potential_bell.png")
+    gentle = replace(ARTICLE, factor="none", influence=12.0)
+    world = discs(20, PICTURED)
+    laws = {
+        "classic": Law(Terms(influence=12.0)),
+        "everything": Law(gentle, Escape("rotate", keep=True), braking=True),
+    }
+    runs = {name: potential_path(world, START, GOAL, law) for name, law in laws.items()}
+    field_picture(world, GOAL, laws["classic"], runs, folder / "potential_field.png")
+    sides: dict[str, Side] = {"+60°": "left", "-60°": "right", "chosen side": "chosen"}
+    wall = World(WALL, bounds=np.array([[0.0, 0.0, -DEEP], [SIDE, SIDE, DEEP]]))
+    turned = {name: Law(gentle, Escape("rotate", side=side), braking=True) for name, side in sides.items()}
+    runs = {name: potential_path(wall, START, GOAL, law) for name, law in turned.items()}
+    sides_picture(wall, GOAL, runs, folder / "potential_sides.png")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ def test_goal_beside_an_obstacle_is_the_lowest_point_only_with_the_factor_of_the
     x = np.linspace(0.05, 3, 2000)
     lowest = {}
     for factor in ("none", "vehicle"):
-        terms = Terms(attraction=1.0, repulsion=0.5, influence=1.0, factor=factor)  # type: ignore[arg-type] # both are
+        terms = Terms(attraction=1.0, repulsion=0.5, influence=1.0, factor=factor)
         heights = [
             attraction(goal - [at, 0, 0], 1.0, math.inf)[0]
             + repulsion(goal - [at, 0, 0], at - wall, np.array([1.0, 0, 0]), terms.numbers)[0]

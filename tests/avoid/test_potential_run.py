@@ -17,34 +17,37 @@ from crosstrack.world.shapes import Box, Cylinder
 from crosstrack.world.world import World
 
 TALL = (-500.0, 500.0)
-DISC = World((Cylinder((40.0, 0.0), 5.0, TALL),))
-CLASSIC = Law(Terms(attraction=0.05))
-IMPROVED = Law(Terms(attraction=0.05, approach=True), Escape("rotate", keep=True), braking=True)
+WALL = World((Box((20.0, -8.0, -500.0), (21.0, 8.0, 500.0)),))
+DISC = World((Cylinder((20.0, 0.0), 5.0, TALL),))
+CLASSIC = Law(Terms(attraction=0.05, influence=8.0), patience=60.0)
+IMPROVED = Law(
+    Terms(attraction=0.05, influence=8.0, approach=True), Escape("rotate", keep=True), damping=0.3, braking=True
+)
 
 
-def test_disc_straight_ahead_traps_the_classic_field_and_not_the_improved_one() -> None:
-    classic = potential_path(DISC, [0, 0], [80, 0], CLASSIC)
+def test_wall_straight_ahead_traps_the_classic_field_and_not_the_improved_one() -> None:
+    classic = potential_path(WALL, [0, 0], [40, 0], CLASSIC)
     assert classic.outcome is Outcome.STUCK
     assert np.abs(classic.points[:, 1]).max() < 1e-6
-    improved = potential_path(DISC, [0, 0], [80, 0], IMPROVED)
+    improved = potential_path(WALL, [0, 0], [40, 0], IMPROVED)
     assert improved.outcome is Outcome.ARRIVED
     assert improved.clearance > 0
-    assert improved.length < 1.3 * 80
+    assert improved.length < 1.8 * 40
 
 
 def test_random_walk_leaves_the_same_minimum() -> None:
-    law = Law(CLASSIC.terms, Escape("walk", window=4.0), braking=True, patience=400.0)
-    assert potential_path(DISC, [0, 0], [80, 0], law).outcome is Outcome.ARRIVED
+    law = Law(CLASSIC.terms, Escape("walk", window=8.0), braking=True, patience=400.0)
+    assert potential_path(WALL, [0, 0], [40, 0], law).outcome is Outcome.ARRIVED
 
 
 def test_descent_to_the_lowest_neighbour_ends_where_force_balances() -> None:
-    run = potential_path(DISC, [0, 0], [80, 0], Law(CLASSIC.terms, method="descent"))
+    run = potential_path(WALL, [0, 0], [40, 0], Law(CLASSIC.terms, method="descent"))
     assert run.outcome is Outcome.STUCK
     x, y = run.points[-1]
     step = 0.4
     here = np.array([x, y, 1.0])
     heights = [
-        potential_at(DISC, here + step * np.array([i, j, 0.0]), np.array([80.0, 0.0, 1.0]), CLASSIC.terms, planar=True)
+        potential_at(WALL, here + step * np.array([i, j, 0.0]), np.array([40.0, 0.0, 1.0]), CLASSIC.terms, planar=True)
         for i in (-1, 0, 1)
         for j in (-1, 0, 1)
     ]
@@ -52,7 +55,7 @@ def test_descent_to_the_lowest_neighbour_ends_where_force_balances() -> None:
 
 
 def test_path_in_space_goes_around_a_disc_in_the_way() -> None:
-    run = potential_path(DISC, [0, 0, 1], [80, 0, 1], IMPROVED)
+    run = potential_path(DISC, [0, 0, 1], [40, 0, 1], IMPROVED)
     assert run.outcome is Outcome.ARRIVED
     assert run.points.shape[1] == 3
     assert run.clearance > 0

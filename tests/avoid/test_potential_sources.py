@@ -81,9 +81,7 @@ def test_what_repels_turns_and_moves_with_the_world(angle: float, x: float, y: f
     shift = np.array([x, y, 0.0])
     middles = np.array([[2.0, 0.5, 0.0], [-0.7, 1.6, 0.0]])
     there = turn @ HERE + shift
-    moved = World(
-        tuple(Cylinder((float(m[0]), float(m[1])), 0.4, (-50.0, 50.0)) for m in middles @ turn.T + shift)
-    )
+    moved = World(tuple(Cylinder((float(m[0]), float(m[1])), 0.4, (-50.0, 50.0)) for m in middles @ turn.T + shift))
     near = near_map(moved, there, 3.0, planar=True)
     offsets = middles @ turn.T + shift - there
     gaps = np.linalg.norm(offsets[:, :2], axis=1) - 0.4

@@ -43,8 +43,7 @@ def test_what_it_is_bound_for_is_a_double_integrator(seed: int) -> None:
     random = np.random.default_rng(seed)
     able = ability(envelope(), 1.0)._replace(turn_rate=math.inf)
     motion = random.normal(size=(5, 3)) * np.array([[1.0], [1.0], [1.0], [5.0], [20.0]])
-    motion[3:, 2] = 0.0
-    motion[3, 2] = 0.0
+    motion[2:, 2] = 0.0
     u, h = random.normal(size=3) * (3, 3, 0), 1e-4
     q, w, later_q, later_w = (np.empty(3) for _ in range(4))
     bound_for(motion, able, q, w)

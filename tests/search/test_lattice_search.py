@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -12,7 +13,6 @@ from crosstrack.protocols import Field
 from crosstrack.search.astar import ENCLOSED, FOUND, NONE, search
 from crosstrack.search.heap import lower, pop
 from crosstrack.search.remaining import remaining
-from crosstrack.types import Array
 
 CELL, WANTED, DOUBT = 0.1, 0.25, 3.0
 
@@ -46,7 +46,7 @@ def graph(values: Field) -> coo_matrix:
     return coo_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(columns))), shape=(size, size))
 
 
-def found(values: Field, start: int, goal: int) -> tuple[int, Array]:
+def found(values: Field, start: int, goal: int) -> tuple[int, NDArray[np.int32]]:
     freest = np.ascontiguousarray(values.max(axis=2))
     left = remaining(freest, CELL, WANTED, DOUBT, goal // values.shape[2])
     status, way, _ = search(values, left, CELL, WANTED, DOUBT, start, goal)

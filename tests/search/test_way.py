@@ -147,7 +147,7 @@ def test_from_close_to_a_tree_it_leads_away_first() -> None:
 
 def test_from_the_ground_it_rises_first() -> None:
     way = find_way(World(), np.array([0.0, 0.0, 0.05]), np.array([5.0, 0.0, 0.0]), CLEARANCE, LAYER)
-    np.testing.assert_allclose(way, [[0, 0, 0.05], [0, 0, 0.25], [5, 0, 0.25], [5, 0, 0]])
+    np.testing.assert_allclose(way, np.array([[0.0, 0, 0.05], [0, 0, 0.25], [5, 0, 0.25], [5, 0, 0]]))
 
 
 def test_where_there_is_clearance_nothing_comes_before_the_way() -> None:

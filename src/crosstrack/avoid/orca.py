@@ -48,8 +48,9 @@ class OrcaMemory:
         return self.course.envelope.radius
 
     def remaining(self, state: State) -> float:
-        """m, straight to the end of the course"""
-        return norm(self.course.path(self.course.path.length) - state.position)
+        """m, to the end of the course: along it, or straight where that is longer"""
+        path = self.course.path
+        return max(path.length - self.progress, norm(path(path.length) - state.position))
 
 
 @dataclass(frozen=True)
@@ -102,53 +103,45 @@ class Orca:
         memory = replace(memory, progress=progress)
         walls = walls_around(around.obstacles, state.position, memory.radius, self.horizon * memory.cruise)
         moving = (state.position, others.position, others.velocity, others.radius)
-        if not len(walls) and not near(*moving, self.horizon, memory.cruise):
+        crowded = near(*moving, self.horizon, memory.cruise)
+        if not len(walls) and not crowded:
             return command, replace(memory, velocity=wanted, intervening=False)
-        return self.among(memory, command, wanted, state, around, walls, duration)
-
-    def among(
-        self,
-        memory: OrcaMemory,
-        command: Setpoint,
-        wanted: Array,
-        state: State,
-        around: Surroundings,
-        walls: Array,
-        duration: float,
-    ) -> tuple[Setpoint, OrcaMemory]:
-        """Return the command and the new memory of a vehicle that has something near."""
         most = min(self.acceleration, memory.course.envelope.acceleration)
         last = reference(memory.velocity, state.velocity, LEAD * most)
-        scene = (memory, last, state, around, walls, duration)
-        chosen, hold = self.choice(*scene, wanted, norm(wanted))
-        if norm(chosen - wanted) > CHANGED:
-            calm = limited(wanted, memory.remaining(state) / self.horizon)
-            chosen, hold = self.choice(*scene, calm, min(memory.cruise, BRISK * most * self.horizon))
-        velocity = slewed(last, chosen, duration * most)
+        calm = limited(wanted, self.pace(memory, state, most)) if crowded else wanted
+        velocity, hold = self.choice(memory, last, calm, state, around, walls, duration)
+        if crowded or norm(velocity - wanted) > CHANGED:
+            velocity = slewed(last, velocity, duration * most)
         memory = replace(memory, velocity=velocity, hold=hold, intervening=norm(velocity - wanted) > CHANGED)
-        if not memory.intervening:
-            return command, memory
-        push = (velocity - last) / duration
-        push[2] = 0.0
-        return Setpoint(velocity=velocity, acceleration=push, yaw=command.yaw, yaw_rate=command.yaw_rate), memory
+        return (asked(command, last, velocity, duration) if memory.intervening else command), memory
+
+    def pace(self, memory: OrcaMemory, state: State, most: float) -> float:
+        """Return the fastest (m/s) to fly among others with an acceleration of at most `most` m/s²."""
+        return min(BRISK * most * self.horizon, memory.remaining(state) / self.horizon)
 
     def choice(
         self,
         memory: OrcaMemory,
         last: Array,
+        wanted: Array,
         state: State,
         around: Surroundings,
         walls: Array,
         duration: float,
-        wanted: Array,
-        speed: float,
     ) -> tuple[Array, Hold]:
-        """Return the velocity chosen (3,) m/s at a speed of at most `speed`, and how the vehicle has been held up."""
+        """Return the velocity chosen (3,) m/s, and how the vehicle has been held up."""
         others = around.others
-        rule = (memory.radius, self.margin, self.horizon, speed, self.climb)
+        rule = (memory.radius, self.margin, self.horizon, max(memory.cruise, norm(wanted)), self.climb)
         moving = (others.position, others.velocity, others.radius, others.avoids)
         chosen, hold = choose(state.position, last, wanted, memory.hold, walls, *moving, rule, duration)
         return np.array(chosen), hold
+
+
+def asked(command: Setpoint, last: Array, velocity: Array, duration: float) -> Setpoint:
+    """Return a command changed to a velocity (3,) m/s, with the acceleration from the last one on the level."""
+    push = (velocity - last) / duration
+    push[2] = 0.0
+    return Setpoint(velocity=velocity, acceleration=push, yaw=command.yaw, yaw_rate=command.yaw_rate)
 
 
 @compiled

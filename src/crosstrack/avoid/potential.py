@@ -283,7 +283,7 @@ def clear(around: Surroundings, thickness: float) -> Clear:
 def each_limited(pushes: Array, most: float) -> Array:
     """Return pushes (n, 3), each shortened to a length where it is longer."""
     length = np.linalg.norm(pushes, axis=1, keepdims=True)
-    return pushes * np.minimum(1.0, most / np.maximum(length, most))
+    return np.asarray(pushes * np.minimum(1.0, most / np.maximum(length, most)))
 
 
 def attracted(command: Setpoint, state: State, envelope: Envelope) -> Array:

@@ -1,6 +1,6 @@
 """The terms of an artificial potential field, in 2-D and 3-D: attraction, repulsion, and what weighs them.
 
-A force is the negative gradient of its potential. Obstacles are points: the nearest of each, at a gap d from the vehicle.
+A force is the negative gradient of its potential. Obstacles are points: the nearest of each, at a gap d.
 """
 
 import math

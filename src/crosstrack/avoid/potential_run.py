@@ -36,6 +36,8 @@ class Law:
     escape: Escape = field(default_factory=Escape)
     method: Literal["force", "descent"] = "force"
     """`force` takes the force as an acceleration; `descent` goes to the neighbour of least potential"""
+    damping: NonNegative = 0.0
+    """1/s, force against the velocity; without any, as in the article, a point can circle the goal for ever"""
     braking: bool = False
     """whether the approach to obstacles is held to what can be stopped"""
     speed: Positive = 2.0
@@ -170,7 +172,9 @@ class Run:
             memory = memory.approached(norm(self.goal - position), law.step, max(law.step, law.escape.window))
             force, memory = self.force(memory, position, velocity, near)
             self.trapped += memory.trapped
-            velocity = limited(velocity + law.step * limited(force, law.acceleration), law.speed)
+            velocity = limited(
+                velocity + law.step * limited(force - law.damping * velocity, law.acceleration), law.speed
+            )
             if law.braking:
                 velocity = self.braked(position, velocity, near)
             before, position = position, position + law.step * velocity
@@ -258,7 +262,7 @@ def potential_at(
 
 
 def walls(world: Map, position: Array, axes: int) -> tuple[Array, Array]:
-    """Return gaps (n,) m to the bounds of a world and directions (n, 3) away from them; and from the ground in space."""
+    """Return gaps (n,) m to the bounds of a world, in space the ground too, and directions (n, 3) away from them."""
     gaps: list[float] = []
     away: list[Array] = []
     if world.bounds is not None:

@@ -6,6 +6,7 @@ from functools import cache
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
 from crosstrack.protocols import Field
@@ -19,6 +20,8 @@ SHARES = (0.08, 0.2, 0.5, 1.0)
 """of the reach, how far the points lie from which obstacles are looked for"""
 HALVINGS = 3
 """times that they are moved half way to the vehicle"""
+ON_SURFACE = 0.1
+"""m, from the surface, that a foot may be: where a map of cells has a ridge between obstacles, it is nowhere"""
 ABOVE = 0.01
 """m, over a surface, where its normal is taken"""
 INSIDE = 1e-6
@@ -53,7 +56,7 @@ class DistanceField:
         return interpolated(self.values, self.low, self.cell, flat)[:, 0].reshape(points.shape[:-1])
 
     def gradient(self, points: Array) -> Array:
-        """Return the gradient at `points` (..., 3) of the interpolated distance, scaled to length 1; zero where flat."""
+        """Return the gradient at `points` (..., 3) of the distance, scaled to length 1; zero where it is flat."""
         points = np.asarray(points, dtype=float)
         flat = np.ascontiguousarray(points.reshape(-1, 3))
         slopes = interpolated(self.values, self.low, self.cell, flat)[:, 1:]
@@ -159,6 +162,8 @@ def near_map(world: Distances, position: Array, reach: float, planar: bool = Fal
         middle = -0.5 * found.gaps[:, None] * found.away
         feet = middle - world.distance(position + middle)[:, None] * world.gradient(position + middle)
         found = select(np.concatenate([feet, 2.0 * middle]), reach, planar)
+    real = np.abs(world.distance(position - found.gaps[:, None] * found.away)) < ON_SURFACE
+    found = Near(found.gaps[real], found.away[real], found.facing[real])
     normal = world.gradient(position + (ABOVE - found.gaps)[:, None] * found.away)
     return Near(found.gaps, found.away, np.maximum(0.0, (normal * found.away).sum(axis=1)))
 
@@ -210,7 +215,7 @@ def select(offsets: Array, reach: float, planar: bool) -> Near:
 
 
 @compiled
-def distinct(gaps: Array, away: Array, cosine: float, most: int) -> Array:
+def distinct(gaps: Array, away: Array, cosine: float, most: int) -> NDArray[np.int64]:
     """Return which points (n,) are the nearest of their surroundings, nearest first.
 
     A point that lies within the angle of a nearer one that was chosen counts as the same obstacle.

@@ -10,7 +10,7 @@ from annotated_types import Gt, Le
 
 from crosstrack.avoid.barrier import least_acceleration, nearest
 from crosstrack.avoid.safety_command import asked_by, clip, keeps_upright
-from crosstrack.avoid.safety_motion import Ability, Motion, ability, bound_for, started, strength, thrown
+from crosstrack.avoid.safety_motion import Ability, Motion, ability, bound_for, started, support, thrown
 from crosstrack.avoid.safety_stopping import Escape, Stop, way_to_rest
 from crosstrack.avoid.safety_way import Block, Room, first_block, least_clearance, planes_of
 from crosstrack.errors import InputError, Problem
@@ -24,9 +24,17 @@ CAUTION = 0.95
 """of the deceleration counted on, for commands that are proposed: so that they are found safe"""
 SLOW = 0.4
 """of the response time, by which a vehicle may begin to brake later than expected"""
+EVADE = 0.85
+"""of the acceleration counted on, for turning away: a turn is known less well than braking"""
 WARY = 1.0
 """the same, for a command to pass after one that did not: so that passing and braking do not alternate"""
+WORTH = 0.005
+"""m, of clearance that a way must gain to be taken instead of pressing away from obstacles"""
+SKIM = 1.0
+"""m/s, sideways, above which a vehicle keeps its radius above the ground: it is not landing"""
 NOTHING = unset()
+GROUND = np.array([[0.0, 0.0, 0.0, 1.0], *np.zeros((6, 4))])
+"""(7, 4) which of the planes is the ground"""
 
 
 @dataclass(frozen=True)
@@ -138,7 +146,10 @@ class Decision:
         needed = memory.radius + self.law.margin
         blind = math.sqrt(float(state.velocity @ state.velocity)) * (memory.between + self.duration)
         distance = float(self.around.obstacles.distance(here))
-        self.room = Room(here, distance, needed, max(0.0, memory.seen - needed - blind), memory.planes)
+        planes = memory.planes
+        if math.hypot(state.velocity[0], state.velocity[1]) > SKIM:
+            planes = planes + memory.radius * GROUND[: len(planes)]
+        self.room = Room(here, distance, needed, max(0.0, memory.seen - needed - blind), planes)
 
     def made(self, command: Command) -> tuple[Command, SafetyMemory]:
         """Return the command to fly, and the new memory."""
@@ -181,6 +192,7 @@ class Decision:
         block = self.blocked(self.way(asked, BRAKE, able, extra))
         if block is None:
             return BRAKE, None
+        able = able._replace(sideways=EVADE * able.sideways, vertical=EVADE * able.vertical)
         for escape in self.escapes(block, asked, able, extra):
             if self.blocked(self.way(asked, escape, able, extra)) is None:
                 return escape, None
@@ -203,27 +215,38 @@ class Decision:
     def proposed(self, asked: Array, block: Block | None) -> tuple[Stop, Escape] | None:
         """Return a command near the one asked for that is found safe: on the safe side of all that is in the way."""
         blocks = self.closest()
-        place, velocity = np.empty(3), np.empty(3)
-        bound_for(self.motion, self.memory.full, place, velocity)
         for _ in range(TRIES):
             if block is None:
                 break
             blocks.append(block)
-            least = np.array([self.least(each, place, velocity) for each in blocks])
-            nearby = nearest(asked, np.array([each.normal for each in blocks]), least)
-            clip(nearby, self.memory.full)
+            nearby = self.pushed(asked, blocks, strong=False)
             escape, block = self.judged(nearby, SLOW)
             if escape is not None:
                 return self.way(nearby, escape, self.memory.counted), escape
         return None
 
-    def least(self, block: Block, place: Array, velocity: Array, *, strong: bool = False) -> float:
+    def pushed(self, asked: Array, blocks: list[Block], *, strong: bool) -> Array:
+        """Return the acceleration (3,) m/s² nearest to the one asked for on the safe side of all that is in the way.
+
+        Nearest in the ellipsoid of what the vehicle is able to: it is pushed aside more easily than up or down.
+        """
+        full = self.memory.full
+        place, velocity = np.empty(3), np.empty(3)
+        bound_for(self.motion, full, place, velocity)
+        axes = np.array([full.sideways, full.sideways, full.vertical])
+        normals = axes * np.array([block.normal for block in blocks])
+        sizes = np.sqrt((normals * normals).sum(axis=1))
+        least = np.array([self.least(block, place, velocity, strong=strong) for block in blocks])
+        near = axes * nearest(asked / axes, normals / sizes[:, None], least / sizes)
+        clip(near, full)
+        return np.asarray(near)
+
+    def least(self, block: Block, place: Array, velocity: Array, *, strong: bool) -> float:
         """Return the least acceleration (m/s²) along the normal of what is in the way."""
         n = block.normal
         speed = float(n @ velocity) - block.approach
         room = block.room + float(n @ (place - self.room.here))
-        able, share = (self.memory.full, 1.0) if strong else (self.memory.counted, CAUTION)
-        deceleration = share * strength(n[0], n[1], n[2], able)
+        deceleration = support(n, self.memory.full) if strong else CAUTION * support(n, self.memory.counted)
         return least_acceleration(room, speed, deceleration, self.memory.full.gain)
 
     def retreat(self, asked: Array) -> tuple[Stop, Escape]:
@@ -239,8 +262,21 @@ class Decision:
             if free:
                 return min(free, key=lambda pair: float(np.linalg.norm(pair[0].asked - asked)))
             blocks = [hit for hit in found if hit is not None]
-        ways.append(self.pressed(ways[0][0].asked, blocks + self.closest()))
-        return max(ways, key=lambda pair: least_clearance(pair[0], self.around))
+        pressed = self.pressed(ways[0][0].asked, blocks + self.closest())
+        best = max(ways, key=lambda pair: least_clearance(pair[0], self.around))
+        gained = least_clearance(best[0], self.around) - least_clearance(pressed[0], self.around)
+        return best if gained > WORTH else pressed
+
+    def closest(self) -> list[Block]:
+        """Return the nearest obstacle, where there is any, as a half-space."""
+        if math.isinf(self.room.distance):
+            return []
+        normal = self.around.obstacles.gradient(self.room.here)
+        return [Block(normal, self.room.distance - self.room.needed, 0.0)] if normal.any() else []
+
+    def pressed(self, asked: Array, blocks: list[Block]) -> tuple[Stop, Escape]:
+        """Return braking (3,) m/s², pressed to the safe side of all that is in the way as hard as the vehicle can."""
+        return self.way(self.pushed(asked, blocks, strong=True), BRAKE, self.memory.full), BRAKE
 
     def closest(self) -> list[Block]:
         """Return the nearest obstacle, where there is any, as a half-space."""

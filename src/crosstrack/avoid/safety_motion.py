@@ -2,7 +2,10 @@
 
 On each axis, with the acceleration u asked for,
 
-    dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s,   |j| <= Ω |a + g| sideways.
+    dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s
+
+while the thrust up, a_z + g, is steady. It changes faster than the tilt, and with it the acceleration sideways, which is
+the tangent of the tilt times it; the tilt changes at the rate Ω at most.
 
 The place q = p + τ₁(v + τ₂(a + τ₃ j)) and the velocity w = v + τ₁(a + τ₂(j + τ₃ s)) are what the vehicle is bound for:
 whatever was asked for before is in them, and they are a double integrator, dq/dt = w and dw/dt = u. At rest q = p.
@@ -24,6 +27,9 @@ GREATEST = 1e3
 """m/s², stands for a vehicle that turns at once"""
 AGILITY = 0.7
 """k times the response time: with more, what the two lags leave out makes the vehicle overshoot"""
+
+LEAST_LIFT = 0.2
+"""of gravity, less than autopilots ask for: where the tangent of the tilt is still a number"""
 
 Motion = Array
 """(5, 3) position (m), velocity (m/s), acceleration (m/s²), jerk (m/s³) and snap (m/s⁴)"""
@@ -93,32 +99,57 @@ def lags(k: int, able: Ability) -> tuple[float, float, float]:
 
 
 @compiled
+def support(normal: Array, able: Ability) -> float:
+    """Return the most that an acceleration (m/s²) of the ellipsoid has along a unit vector (3,)."""
+    flat = able.sideways * able.sideways * (normal[0] * normal[0] + normal[1] * normal[1])
+    return math.sqrt(flat + able.vertical * able.vertical * normal[2] * normal[2])
+
+
+@compiled
+def lift_of(vertical: float, able: Ability) -> float:
+    """Return the vertical thrust (m/s²) that an acceleration sideways goes with; 1 where the two are apart."""
+    if math.isinf(able.turn_rate):
+        return 1.0
+    return max(vertical + GRAVITY, LEAST_LIFT * GRAVITY)
+
+
+@compiled
 def move(motion: Motion, asked: Array, h: float, able: Ability) -> None:
     """Advance a motion by a step (s) with an acceleration asked for (3,) m/s², in place.
 
-    The innermost lag that is longer than the step is integrated, those within it are taken as done.
+    What lags is the tilt, so sideways the numbers below are over the vertical thrust: with the thrust the acceleration
+    sideways grows at once. The innermost lag that is longer than the step is integrated, those within are done.
     """
-    sideways = 0.0
-    for k in range(3):
-        first, second, third = lags(k, able)
-        slope = (asked[k] - motion[2, k]) / first
-        if second < h:
-            motion[3, k], motion[4, k] = slope, 0.0
+    vertical, before = motion[2, 2], lift_of(motion[2, 2], able)
+    upwards = asked[2]
+    if not math.isinf(able.turn_rate):
+        # The thrust is the part along the body's axis of the one asked for.
+        x, y = motion[2, 0] / before, motion[2, 1] / before
+        upwards = (asked[0] * x + asked[1] * y + asked[2] + GRAVITY) / (1.0 + x * x + y * y) - GRAVITY
+    slope = (upwards - vertical) / able.lift_time
+    motion[3, 2], motion[4, 2] = slope, 0.0
+    after, wanted = lift_of(vertical + slope * h, able), lift_of(asked[2], able)
+    most = able.turn_rate * math.sqrt(1.0 + (motion[2, 0] ** 2 + motion[2, 1] ** 2) / (before * before))
+    rates = 0.0
+    for k in range(2):
+        rate, jolt = motion[3, k] / before, motion[4, k] / before
+        slope = (asked[k] / wanted - motion[2, k] / before) / able.tilt_time
+        if able.turn_time < h:
+            rate, jolt = slope, 0.0
         else:
-            wanted = (slope - motion[3, k]) / second
-            motion[4, k] += (wanted - motion[4, k]) * (1.0 - math.exp(-h / third))
-            motion[3, k] += motion[4, k] * h
-        if k < 2:
-            sideways += motion[3, k] * motion[3, k]
-    most = able.turn_rate * math.sqrt(motion[2, 0] ** 2 + motion[2, 1] ** 2 + (motion[2, 2] + GRAVITY) ** 2)
-    if sideways > most * most:
-        scale = most / math.sqrt(sideways)
-        for k in range(2):
-            motion[3, k] *= scale
-            motion[4, k] = 0.0
+            jolt += ((slope - rate) / able.turn_time - jolt) * (1.0 - math.exp(-h / able.spin_time))
+            rate += jolt * h
+        motion[3, k], motion[4, k] = rate, jolt
+        rates += rate * rate
+    scale = most / math.sqrt(rates) if rates > most * most else 1.0
     for k in range(3):
         a, v = motion[2, k], motion[1, k]
-        motion[2, k] = a + motion[3, k] * h
+        if k < 2:
+            motion[2, k] = (a / before + scale * motion[3, k] * h) * after
+            motion[3, k] *= scale * after
+            motion[4, k] *= after if scale == 1.0 else 0.0
+        else:
+            motion[2, k] = a + motion[3, k] * h
         motion[1, k] = v + 0.5 * (a + motion[2, k]) * h
         motion[0, k] += 0.5 * (v + motion[1, k]) * h
 

@@ -77,10 +77,13 @@ def turn_away(w: Array, normal: Array, blend: float, able: Ability, out: Array) 
     if approach <= 1e-2 or size < 1e-2:
         brake(w, able, out)
         return
-    x, y, z = normal[0] - blend * w[0] / size, normal[1] - blend * w[1] / size, normal[2] - blend * w[2] / size
+    # Of all accelerations in the ellipsoid this direction has the most along the normal.
+    x, y, z = able.sideways**2 * normal[0], able.sideways**2 * normal[1], able.vertical**2 * normal[2]
+    norm = math.sqrt(x * x + y * y + z * z)
+    x, y, z = x / norm - blend * w[0] / size, y / norm - blend * w[1] / size, z / norm - blend * w[2] / size
     norm = math.sqrt(x * x + y * y + z * z)
     x, y, z = x / norm, y / norm, z / norm
-    along = x * normal[0] + y * normal[1] + z * normal[2]
+    along = max(1e-3, x * normal[0] + y * normal[1] + z * normal[2])
     # The end is proportional too, so that the turn does not overshoot.
     scale = min(strength(x, y, z, able), able.gain * approach / along)
     out[0], out[1], out[2] = scale * x, scale * y, scale * z

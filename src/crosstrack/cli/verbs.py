@@ -57,9 +57,7 @@ def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, pn
     mission = missions.load(file, settings)
     say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
     plans = mission.plans()
-    for remark in dict.fromkeys(
-        note for member, plan in zip(mission.members, plans, strict=True) for note in notes(member, plan)
-    ):
+    for remark in notes(mission, plans):
         say(f"note: {remark}")
     folder = emptied(out or Path("runs") / mission.name)
     loop.warm_up(plans[0])
@@ -84,10 +82,13 @@ def compiled_before(module: str = "") -> bool:
     return any(cache_folder().rglob(f"{module}*.nbc"))
 
 
-def notes(mission: missions.Mission, plan: Plan) -> list[str]:
-    """Say what is odd about a mission, and which limits its planned trajectory breaks."""
-    planned = breaches(certified(mission, plan)) if mission.planner is not None else []
-    return [*remarks(mission), *planned, *late(plan)]
+def notes(mission: missions.Mission, plans: Sequence[Plan]) -> list[str]:
+    """Say what is odd about a mission and its plans, and which limits their trajectories break."""
+    found = []
+    for member, plan in zip(mission.members, plans, strict=True):
+        planned = breaches(certified(member, plan)) if member.planner is not None else []
+        found += [*remarks(member), *planned, *late(plan)]
+    return list(dict.fromkeys(found))
 
 
 def late(plan: Plan) -> list[str]:
@@ -178,13 +179,17 @@ def check(file: Path | None, schema: bool, settings: Sequence[str]) -> int:
     if file is None:
         raise InputError("check", [Problem("FILE", "name a mission file, or give --schema")])
     mission = missions.load(file, settings)
-    plan = mission.build()
+    plans = mission.plans()
     sys.stdout.write(dump(mission.document()))
-    told = notes(mission, plan)
+    told = notes(mission, plans)
     for remark in told:
         say(f"note: {remark}")
     verdict = "valid, but see the notes" if told else "fine"
-    say(f"{file}: {verdict}. Route {plan.route.length:.1f} m, planned for {plan.course.speed.duration:.1f} s.")
+    length, duration = (
+        max(each) for each in zip(*((p.route.length, p.course.speed.duration) for p in plans), strict=True)
+    )
+    longest = "The longest route" if mission.vehicles else "Route"
+    say(f"{file}: {verdict}. {longest} {length:.1f} m, planned for {duration:.1f} s.")
     return 0
 
 

@@ -25,6 +25,10 @@ PAUSE = 0.5
 """s, at least between two plans that lead nowhere new"""
 NEAR = 0.05
 """m, from a waypoint, that counts as there"""
+URGENT = 4.0
+"""m, to where the course is blocked, within which it is planned again at once"""
+GRACE = 0.01
+"""m, by which a course may turn out to be nearer to obstacles than it was planned with open eyes"""
 
 
 @dataclass
@@ -38,6 +42,8 @@ class Navigator:
     """s, when it began"""
     pending: list[tuple[float, Array]] = field(init=False)
     """arc length on the course (m) and place (3,) m of every waypoint that may still be ahead, the goal the last"""
+    room: float = field(init=False)
+    """m, from obstacles, nearer than which the course counts as blocked"""
     planning_time: float = field(init=False)
     """s of the machine, for all plans"""
     mark: tuple[float, float] = field(init=False)
@@ -45,6 +51,7 @@ class Navigator:
 
     def __post_init__(self) -> None:
         self.planning_time = self.plan.planning_time
+        self.room = self.plan.course.envelope.radius
 
     def take(self, course: Course, waypoints: Array, now: float) -> None:
         """Go by a course through waypoints (n, 3) m, from now on."""
@@ -83,6 +90,7 @@ class Navigator:
         finally:
             self.planning_time += time.perf_counter() - began
         self.take(course, waypoints, state.time)
+        self.room = self.least_room(around, course)
         return course
 
     def due(self, replanning: Replanning, state: State, around: Surroundings, progress: float, held: bool) -> bool:
@@ -91,9 +99,10 @@ class Navigator:
             return True
         if not replanning.blocked:
             return False
-        if state.time - self.began > PAUSE and (self.adrift(state) or self.short(state.time)):
+        rested = state.time - self.began > PAUSE
+        if rested and (self.adrift(state) or self.short(state.time)):
             return True
-        return bool(around.scans) and self.blocked(around, progress)
+        return bool(around.scans) and self.blocked(around, progress) < (AHEAD if rested else URGENT)
 
     def trapped(self, now: float, progress: float, held: bool) -> bool:
         """Return whether the vehicle is held back and has long made next to no progress."""
@@ -118,16 +127,24 @@ class Navigator:
             return False
         return float(np.linalg.norm(trajectory(trajectory.duration) - goal)) > NEAR
 
-    def blocked(self, around: Surroundings, progress: float) -> bool:
-        """Return whether the course ahead leads nearer to an obstacle than the vehicle may come."""
-        path, radius, s = self.course.path, self.course.envelope.radius, progress
+    def blocked(self, around: Surroundings, progress: float) -> float:
+        """Return how far ahead (m) the course leads too near to an obstacle; inf where it does not."""
+        path, s = self.course.path, progress
         end = min(path.length, progress + AHEAD)
-        while s < end:
-            room = float(around.obstacles.distance(path(s))) - radius
-            if room < 0:
-                return True
-            s += max(room, SPACING)  # no obstacle is nearer than that to what is left out
-        return bool(around.obstacles.distance(path(end)) < radius)
+        while s <= end:
+            spare = float(around.obstacles.distance(path(s))) - self.room
+            if spare < 0:
+                return s - progress
+            s += max(spare, SPACING)  # no obstacle is nearer than that to what is left out
+        return np.inf
+
+    def least_room(self, around: Surroundings, course: Course) -> float:
+        """Return the distance (m) from obstacles that a course has by what is known now, at most the vehicle's radius.
+
+        A course may have to lead nearer, as out of a tight place: then it is not blocked for that.
+        """
+        points = course.path(np.arange(0.0, min(course.path.length, AHEAD), SPACING))
+        return min(course.envelope.radius, float(around.obstacles.distance(points).min()) - GRACE)
 
     def planned(self, replanning: Replanning, state: State, around: Surroundings, waypoints: Array) -> Course:
         """Return the course from here through waypoints (n, 3) m."""

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import NDArray
 
 from crosstrack.errors import Problem, Unreachable
@@ -12,6 +13,7 @@ from crosstrack.plan.auto_fit import Free, at_rest, fitted
 from crosstrack.plan.auto_stop import after, braking, settled, stop_and_go
 from crosstrack.plan.facing import Look, facing
 from crosstrack.protocols import Map, PlanningTask, Trajectory
+from crosstrack.search.sampled import Sampling, sampled_way
 from crosstrack.search.taut import direct, length
 from crosstrack.search.way import find_way
 from crosstrack.trajectory.limits import MotionLimits
@@ -38,6 +40,10 @@ class Auto:
     """m, of clearance beyond the radius of the vehicle: for what the flight is off the plan"""
     reach: Positive = 0.8
     """m, beside the way, within which the trajectory heeds obstacles from the start; others when it comes near them"""
+    search: Literal["grid"] | Sampling = "grid"
+    """how the way is found: on a lattice, which finds the shortest and knows when there is none, or by samples"""
+    checks: Annotated[int, Ge(1), Le(10_000_000)] = 20_000
+    """points and legs that are checked when it is by samples"""
     yaw: Look = "fixed"
     """fixed: as at the start; velocity: where it flies"""
 
@@ -70,10 +76,21 @@ class Auto:
         found = fitted(free, way, through, task.motion)
         if found is not None:
             return found
-        if at_rest(task.motion):
-            return stop_and_go(way, limits)
-        stop = braking(task.world, start, task.motion, free.clearance, limits)
-        return after(stop, self.curve(rested(task, stop(stop.duration))))
+        return stop_and_go(way, limits) if at_rest(task.motion) else self.slowed(task, free)
+
+    def slowed(self, task: PlanningTask, free: Free) -> PiecewisePolynomial:
+        """Return the trajectory that leads to where it could stop and on from there; it stops there if it must."""
+        start = task.waypoints[0]
+        stop = braking(task.world, start, task.motion, free.clearance, free.limits)
+        turn = stop(stop.duration)
+        later = rested(task, turn)
+        if np.linalg.norm(turn - start) > NEAR and np.linalg.norm(turn - task.waypoints[1]) > NEAR:
+            way, through = self.way(later, free.box)
+            way, through = np.concatenate([start[None], way]), np.concatenate([[False], through])
+            found = fitted(free, way, through, task.motion)
+            if found is not None:
+                return found
+        return after(stop, self.curve(later))
 
     def way(self, task: PlanningTask, box: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the way (n, 3) m through the waypoints, and which of its points they are (n,).
@@ -85,10 +102,23 @@ class Auto:
         """
         for share in MARGINS[:-1]:
             try:
-                return ways(task.world, task.waypoints, task.radius + share * self.margin, box)
+                return self.ways(task, task.radius + share * self.margin, box)
             except Unreachable:
                 continue
-        return ways(task.world, task.waypoints, task.radius + MARGINS[-1] * self.margin, box)
+        return self.ways(task, task.radius + MARGINS[-1] * self.margin, box)
+
+    def ways(self, task: PlanningTask, clearance: float, box: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the way with a clearance (m), with few legs, and which of its points are waypoints."""
+        points, through = [task.waypoints[:1]], [False]
+        for start, goal in pairwise(task.waypoints):
+            if self.search == "grid":
+                way = find_way(task.world, start, goal, clearance, box)
+            else:
+                way = sampled_way(task.world, start, goal, clearance, box, self.search, self.checks)
+            way = direct(task.world, way, clearance - CLOSER)
+            points.append(way[1:])
+            through += [False] * (len(way) - 2) + [True]
+        return np.concatenate(points), np.array(through)
 
 
 def check_goals(task: PlanningTask) -> None:
@@ -130,13 +160,3 @@ def room(world: Map, radius: float) -> Array:
         box = world.bounds + np.array([[EDGE], [-EDGE]])
     box[0, 2] = max(box[0, 2], world.ground + radius + EDGE)
     return box
-
-
-def ways(world: Map, waypoints: Array, clearance: float, box: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the way (n, 3) m through waypoints (k, 3) m, with few legs, and which of its points they are (n,)."""
-    points, through = [waypoints[:1]], [False]
-    for start, goal in pairwise(waypoints):
-        way = direct(world, find_way(world, start, goal, clearance, box), clearance - CLOSER)
-        points.append(way[1:])
-        through += [False] * (len(way) - 2) + [True]
-    return np.concatenate(points), np.array(through)

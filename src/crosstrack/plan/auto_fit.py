@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.errors import Infeasible
 from crosstrack.plan.auto_corridor import add_face, polytopes
@@ -68,7 +69,7 @@ def at_rest(motion: Array) -> bool:
     return bool((np.linalg.norm(motion, axis=1) < STILL).all())
 
 
-def fitted(free: Free, way: Array, through: Array, motion: Array) -> PiecewisePolynomial | None:
+def fitted(free: Free, way: Array, through: NDArray[np.bool_], motion: Array) -> PiecewisePolynomial | None:
     """Return a trajectory along a way; None where none is found that is certified.
 
     Args:
@@ -81,7 +82,7 @@ def fitted(free: Free, way: Array, through: Array, motion: Array) -> PiecewisePo
     In motion it cannot be stretched; it is shared out until the limits hold.
     """
     knots, times = started(way, motion[0], free.limits)
-    kept = np.isin(knots, way[through]).all(axis=1)
+    kept = (knots[:, None] == way[through]).all(axis=2).any(axis=1).tolist()
     gaps = np.array([free.world.swept(a, b) for a, b in pairwise(knots)])
     wanted = np.minimum(gaps - THIN, free.clearance)
     faces = polytopes(free.world, knots, wanted, free.reach, free.box)

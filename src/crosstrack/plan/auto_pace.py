@@ -58,7 +58,7 @@ def turning(waypoints: Array, lengths: Array, strongest: float) -> Array:
     cosine = (into * out).sum(axis=1) / np.linalg.norm(into, axis=1) / np.linalg.norm(out, axis=1)
     half = np.sqrt(np.maximum(0.5 * (1.0 + cosine), SHARPEST**2))
     with np.errstate(divide="ignore"):
-        return np.sqrt(strongest * ROUNDING / np.maximum(1.0 / half - 1.0, 0.0))
+        return np.asarray(np.sqrt(strongest * ROUNDING / np.maximum(1.0 / half - 1.0, 0.0)))
 
 
 def strain(curve: PiecewisePolynomial, limits: MotionLimits) -> Array:

@@ -77,8 +77,8 @@ def braking(world: Map, position: Array, motion: Array, clearance: float, limits
     speed, strongest = float(np.linalg.norm(motion[0])), limits.acceleration or np.inf
     usual = max(1.5 * speed / strongest, SHORTEST)
     offsets = sideways(motion[0])
-    durations = np.repeat(np.array(STRETCHES) * usual, len(offsets))
-    durations = np.maximum(durations, SHORTEST)
+    times: Array = np.maximum(np.array(STRETCHES) * usual, SHORTEST)
+    durations = np.repeat(times, len(offsets))
     ends = position + 0.5 * durations[:, None] * motion[0] + durations[:, None] ** 2 / 12 * motion[1]
     ends = ends + np.tile(offsets, (len(STRETCHES), 1)) * 0.5 * durations[:, None] * speed
     knots = np.zeros((len(ends), 2, 3, 3))
@@ -86,11 +86,10 @@ def braking(world: Map, position: Array, motion: Array, clearance: float, limits
     curves = [piecewise(pair, duration[None]) for pair, duration in zip(knots, durations, strict=True)]
     shares = np.linspace(0.0, 1.0, INSTANTS)
     points = np.array([curve(shares * curve.duration) for curve in curves])
-    gaps = world.distance(points)
-    steps = np.linalg.norm(np.diff(points, axis=1), axis=2)
-    free = (0.5 * (gaps[:, 1:] + gaps[:, :-1] - steps)).min(axis=1) + 0.5 * steps.max(axis=1)
+    gaps: Array = np.asarray(world.distance(points))
+    free = gaps.min(axis=1)
     hard = np.array([np.linalg.norm(curve(shares * curve.duration, 2), axis=1).max() for curve in curves])
-    wanted = min(clearance, float(gaps[0, 0]) - 0.01)
+    wanted = min(clearance, float(gaps[0][0]) - 0.01)
     excess = np.maximum(hard / strongest - 1.1, 0.0)
     high = points[:, :, 2].min(axis=1) >= min(world.ground + clearance, position[2]) - 0.05
     fine = (free >= wanted) & (excess == 0.0) & high

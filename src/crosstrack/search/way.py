@@ -58,7 +58,7 @@ def find_way(world: Map, start: Array, goal: Array, clearance: float, box: Array
     if not np.array_equal(first, last) and world.swept(first, last) < clearance - ROUNDING:
         way = taut(world, wide_search(world, first, last, clearance, box, reach), clearance - ROUNDING)
     way = np.concatenate([out[:-1], way, into[1:]])
-    return way[np.concatenate([[True], (np.diff(way, axis=0) != 0.0).any(axis=1)])]
+    return np.asarray(way[np.concatenate([[True], (np.diff(way, axis=0) != 0.0).any(axis=1)])])
 
 
 def wide_search(world: Map, first: Array, last: Array, clearance: float, box: Array, reach: float) -> Array:

@@ -66,6 +66,8 @@ def replanned(flight: Flight) -> Array:
 def seen(flight: Flight, box: Array, most: int) -> Array:
     """Return what the sensors saw above the ground within a box (2, 3) m, (n, 3) m, at most `most` points."""
     points: Array = flight.seen
+    if not len(points):
+        return points
     inside = ((points >= box[0]) & (points <= box[1])).all(axis=1)
     points = points[inside & (points[:, 2] > flight.plan.scenario.world.ground + OFF_GROUND)]
     thinned: Array = points[:: max(1, -(-len(points) // most))]

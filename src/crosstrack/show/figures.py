@@ -26,6 +26,9 @@ from crosstrack.show.traces import Figure, backdrop, cloud2, cloud3, line2, line
 from crosstrack.show.traffic import MOVERS, tracks
 from crosstrack.types import Array, Outcome
 
+LEGEND_BESIDE = 8
+"""entries, from which on the legend has room of its own beside the view in space"""
+
 
 @dataclass(frozen=True)
 class View:
@@ -49,7 +52,10 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         line3(line, name, **look) | {"hoverinfo": "skip"} | more for name, line, look, more in courses(views, scene)
     ]
     if len(points := seen_by(views, box, SEEN_IN_SPACE)):
-        traces.append(cloud3(points, SIGHTED, SEEN))
+        traces.append(cloud3(points, SIGHTED, SEEN) | {"legendgroup": SIGHTED, "showlegend": False})
+        traces.append(
+            mark3(SIGHTED, NOWHERE, {"size": 6, "color": SEEN, "symbol": "circle"}) | {"legendgroup": SIGHTED}
+        )
     for each, band in stepped_in(views, guards=False):
         look = line3(band, f"{each.name} stepped in", color=each.color, width=18)
         traces.append(look | {"opacity": 0.3, "hoverinfo": "skip"})
@@ -67,7 +73,8 @@ def space(views: Sequence[View], scene: Scene) -> Figure:
         traces.append(way | {"legendgroup": MOVERS, "showlegend": False, "hoverinfo": "skip"})
         moving = solid(MOVERS, *track.mesh, MOVING)
         traces.append(moving | {"legendgroup": MOVERS, "showlegend": track.first, "meta": "mover"})
-    return {"data": traces, "layout": space_layout(box)}
+    entries = sum(trace.get("showlegend", True) for trace in traces)
+    return {"data": traces, "layout": space_layout(box, aside=entries > LEGEND_BESIDE)}
 
 
 def courses(views: Sequence[View], scene: Scene) -> Iterator[tuple[str, Array, Figure, Figure]]:
@@ -123,7 +130,8 @@ def plan_view(views: Sequence[View], scene: Scene) -> Figure:
     for name, line, look, more in courses(views, scene):
         traces.append(line2(line, name, **look | {"width": 1.5}) | more)
     if len(points := seen_by(views, box, SEEN_FROM_ABOVE)):
-        traces.append(cloud2(points, SIGHTED, SEEN))
+        traces.append(cloud2(points, SIGHTED, SEEN) | {"legendgroup": SIGHTED, "showlegend": False})
+        traces.append(mark(SIGHTED, NOWHERE, {"size": 6, "color": SEEN, "symbol": "circle"}) | {"legendgroup": SIGHTED})
     for each, band in stepped_in(views, guards=False):
         traces.append(line2(band, f"{each.name} stepped in", color=each.color, width=10) | {"opacity": 0.3})
     traces += [

@@ -15,8 +15,20 @@ TITLES = {"x": "x, east (m)", "y": "y, north (m)", "z": "z (m)"}
 DASHES: dict[Role, str] = {"flown": "solid", "planned": "dash", "asked": "dot", "limit": "dashdot"}
 
 
-def space_layout(box: Array) -> Figure:
-    """Return the layout of the view in space of a box (2, 3) m, a metre as long along each axis."""
+EYE, MIDDLE = np.array([-0.9, -1.35, 0.9]), np.array([0.0, 0.0, -0.08])
+"""where the view in space is taken from and what is in its middle, in its units"""
+ASIDE = np.array([-0.17, 0.11, 0.0])
+"""to the left, by which the viewer moves to leave room for a long legend"""
+
+
+def space_layout(box: Array, aside: bool = False) -> Figure:
+    """Return the layout of the view in space of a box (2, 3) m, a metre as long along each axis.
+
+    Args:
+        box: lowest and highest corner
+        aside: whether there is a long legend to the left
+    """
+    eye, middle = (1.15 * EYE + ASIDE, MIDDLE + ASIDE) if aside else (EYE, MIDDLE)
     sides = box[1] - box[0]
     shares = 1.15 * sides / max(sides.max(), np.linalg.norm(sides) / 1.25)
     ticks = np.maximum(3, np.round(8 * sides / sides.max())).astype(int).tolist()
@@ -27,14 +39,17 @@ def space_layout(box: Array) -> Figure:
         "scene": {
             "aspectmode": "manual",
             "aspectratio": dict(zip("xyz", shares.tolist(), strict=True)),
-            "camera": {"eye": {"x": -0.9, "y": -1.35, "z": 0.9}, "center": {"x": 0.0, "y": 0.0, "z": -0.08}},
+            "camera": {
+                "eye": dict(zip("xyz", eye.tolist(), strict=True)),
+                "center": dict(zip("xyz", middle.tolist(), strict=True)),
+            },
             **{
                 f"{name}axis": axis
                 | {"title": {"text": TITLES[name]}, "range": box[:, index].tolist(), "nticks": ticks[index]}
                 for index, name in enumerate("xyz")
             },
         },
-        "legend": {"x": 0, "y": 1, "bgcolor": "rgba(255,255,255,0.75)", "itemsizing": "constant"},
+        "legend": {"x": 0, "y": 1, "bgcolor": "rgba(255,255,255,0.75)"},
         "uirevision": "keep",
     }
 
@@ -48,7 +63,7 @@ def plan_layout(box: Array) -> Figure:
         "plot_bgcolor": "#fff",
         "xaxis": axis | {"title": {"text": "x, east (m)"}, "range": box[:, 0].tolist()},
         "yaxis": axis | {"title": {"text": "y, north (m)"}, "range": box[:, 1].tolist(), "scaleanchor": "x"},
-        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0, "itemsizing": "constant"},
+        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0},
     }
 
 

@@ -26,7 +26,7 @@ CLEARANCE = 0.25
 """m, that the shortest way keeps"""
 LONG = 20.0
 """m, for a flight that is not flown"""
-REFUSED = {"outcome": Outcome.UNREACHABLE.name.lower(), "summary": None, "trace": None, "courses": []}
+REFUSED: dict[str, Any] = {"outcome": Outcome.UNREACHABLE.name.lower(), "summary": None, "trace": None, "courses": []}
 """what comes of a mission that is not flown, since there is no way"""
 SAMPLES, POINTS = 400, 200
 """of one flight and of one course that are kept, at most"""
