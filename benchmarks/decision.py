@@ -6,6 +6,7 @@ Times are processor time of the thread; the scan itself is not in them.
 """
 
 import time
+from typing import Any
 
 import numpy as np
 
@@ -34,14 +35,13 @@ def decisions(density: float, seed: int) -> Array:
     """Fly through one forest; return what its decisions took, (n, 4) ms, in `PARTS`."""
     trees = Forest(seed=seed, density=density, radius=(0.2, 0.5), clear=((2.0, 10.0), (38.0, 10.0))).shapes()
     world, bare = World(tuple(trees)), World()
-    scenario = Scenario(
-        START, 0.0, world, CRUISE, Limits(), Wind(), Air(), Noise(), PERIOD, seed, sensors=(LIDAR,)
-    )
+    scenario = Scenario(START, 0.0, world, CRUISE, Limits(), Wind(), Air(), Noise(), PERIOD, seed, sensors=(LIDAR,))
     vehicle = Quadrotor()
     session, local = vehicle.launch(scenario), LocalMap.around((LIDAR,), bare)
     straight = minimum(np.array([START, GOAL]), np.array([0.0, float(np.linalg.norm(GOAL - START)) / CRUISE]), 3)
     course = course_of(straight, vehicle.envelope(scenario))
-    laws, known = (Potential(), Safety()), Surroundings(local)
+    laws: tuple[Any, ...] = (Potential(), Safety())
+    known = Surroundings(local)
     memories = [law.start(course, known, session.sense()) for law in laws]
     random, rows = np.random.default_rng(seed), []
     for _ in range(150):

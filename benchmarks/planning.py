@@ -88,9 +88,9 @@ def sampled(density: float, maps: int) -> None:
     for name in PLANNERS:
         times, ratios = [], []
         for world, best in worlds:
-            task = (world, ENDS[0], ENDS[1], CLEARANCE, room(world, RADIUS), name, CHECKS)
+            box = room(world, RADIUS)
             try:
-                way, took = timed(partial(sampled_way, *task))
+                way, took = timed(partial(sampled_way, world, ENDS[0], ENDS[1], CLEARANCE, box, name, CHECKS))
             except Unreachable:
                 continue
             times.append(took)

@@ -13,7 +13,15 @@ import crosstrack
 ROOT = Path(crosstrack.__file__).parent
 BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "vectors"}
 ROLES = {"world", "path", "search", "sense", "trajectory", "plan", "follow", "track", "avoid", "sim", "vehicles"}
-EDGES = {("vehicles", "sim"), ("sim", "world"), ("follow", "path"), ("track", "path"), ("trajectory", "path"), ("plan", "trajectory"), ("plan", "search")}
+EDGES = {
+    ("vehicles", "sim"),
+    ("sim", "world"),
+    ("follow", "path"),
+    ("track", "path"),
+    ("trajectory", "path"),
+    ("plan", "trajectory"),
+    ("plan", "search"),
+}
 ABOVE = ["flight", "mission", "campaign", "show", "cli"]
 """each may import all before it, the roles and the base"""
 

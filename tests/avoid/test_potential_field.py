@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosstrack.avoid.potential_escape import cross, rotated, turned
 from crosstrack.avoid.potential_field import Factor, Terms, attraction, bell, repulsion, slowness
+from crosstrack.avoid.potential_turning import cross, rotated, turned
 from crosstrack.types import Array
 from crosstrack.vectors import direction
 

@@ -36,6 +36,7 @@ from crosstrack.world.world import World
 PERIOD, RADIUS = 0.02, 0.2
 WALL = World((Box((10.0, -50.0, -1.0), (10.01, 50.0, 50.0)),))
 GAP = World((Cylinder((10.0, 0.0), 0.3, (0.0, 20.0)), Cylinder((10.0, 1.1), 0.3, (0.0, 20.0))))
+LAYER = Safety()
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -52,7 +53,12 @@ ENVELOPE = Quadrotor(radius=RADIUS).envelope(scenario(WALL, (0, 0, 5)))
 
 
 def stepped(
-    world: World, command: Command, position: Any, velocity: Any, law: Safety = Safety(), **known: Any  # noqa: B008
+    world: World,
+    command: Command,
+    position: Any,
+    velocity: Any,
+    law: Safety = LAYER,
+    **known: Any,
 ) -> tuple[Command, SafetyMemory]:
     """Take one step of the layer in steady level flight."""
     still = np.zeros(3)

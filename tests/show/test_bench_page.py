@@ -85,7 +85,7 @@ def test_the_page_shows_every_failure_and_no_success(tmp_path: Path) -> None:
         ["all", "unknown", "0 of 1"],
         ["all", "field", "0 of 2"],
     ]
-    assert [row[4] for row in rows[:5]] == ["1 not there", "1 collided", "1 lost", "", "1 not there"]
+    assert [row[4] for row in rows[:5]] == ["1 not arrived", "1 collided", "1 lost", "", "1 not arrived"]
     shares, *pictures = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", page)
     flown = [pixels(base64.b64decode(address), PALETTE[0]) > 500 for address in pictures]
     assert flown == [True, False, False]  # the second was steered all the way, the third never begun

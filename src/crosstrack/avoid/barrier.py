@@ -19,7 +19,7 @@ import numpy as np
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 
-SWEEPS = 60
+SWEEPS = 1000
 """over all half-spaces"""
 
 

@@ -11,6 +11,8 @@ import math
 from crosstrack.compiled import compiled
 
 SMALL = 1e-9
+REGAIN = 0.5
+"""s, over which a margin is regained that was undercut"""
 
 Plane = tuple[float, float, float, float]
 """unit normal, and the excess: how far (m/s) the relative velocity is outside the obstacle along it, negative inside"""
@@ -61,14 +63,14 @@ def excess(
 ) -> Plane:
     """Return the boundary of the velocity obstacle of a ball nearest to a relative velocity.
 
-    Nearer than the radius, which holds a margin, the ball must not come closer, and the margin is regained over the
-    horizon; where even the sum of the radii, `touch`, is undercut, four times as fast. For the others see `apart`.
+    Nearer than the radius, which holds a margin, the ball must go away, so that the margin is regained within REGAIN;
+    where even the sum of the radii, `touch`, is undercut, four times as fast. For the others see `apart`.
     """
     distance = math.sqrt(px * px + py * py + pz * pz)
     if distance > radius:
         return apart(px, py, pz, vx, vy, vz, radius, horizon)
     if distance < SMALL:
-        return 0.0, 1.0, 0.0, vy - 4 * radius / horizon
+        return 0.0, 1.0, 0.0, vy - 4 * radius / REGAIN
     nx, ny, nz = -px / distance, -py / distance, -pz / distance
-    pace = (radius - distance + 3 * max(0.0, touch - distance)) / horizon
+    pace = (radius - distance + 3 * max(0.0, touch - distance)) / REGAIN
     return nx, ny, nz, vx * nx + vy * ny + vz * nz - pace

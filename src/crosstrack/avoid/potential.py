@@ -8,10 +8,11 @@ import numpy as np
 from annotated_types import Ge, Gt, Le
 
 from crosstrack.avoid.potential_braking import allowed, held_back
-from crosstrack.avoid.potential_escape import Clear, Escape, Escaping, Side, Situation, along, decided, turned_all
+from crosstrack.avoid.potential_escape import Clear, Escape, Escaping, Side, Situation, decided
 from crosstrack.avoid.potential_field import Factor, Terms, repulsions
 from crosstrack.avoid.potential_run import walls
 from crosstrack.avoid.potential_sources import NOTHING, Near, near_map, near_others
+from crosstrack.avoid.potential_turning import along, turned_all
 from crosstrack.protocols import Course, Surroundings
 from crosstrack.types import Array, Command, Envelope, NonNegative, Positive, Setpoint, State
 from crosstrack.vectors import direction, dot, limited, norm

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosstrack.avoid.potential_braking import held_back
-from crosstrack.avoid.potential_escape import Escape, Escaping, Situation, along, decided, turned_all
+from crosstrack.avoid.potential_escape import Escape, Escaping, Situation, decided
 from crosstrack.avoid.potential_field import Terms, attraction, repulsions
 from crosstrack.avoid.potential_sources import Near, near_map
+from crosstrack.avoid.potential_turning import along, turned_all
 from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Map
 from crosstrack.types import Array, NonNegative, Outcome, Positive

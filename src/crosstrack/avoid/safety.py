@@ -70,12 +70,12 @@ class Safety:
     """Change a command as little as possible so that the vehicle can always come to rest clear of obstacles.
 
     A command passes if the vehicle, after holding it for a period, can still come to rest, by braking or by turning
-    away and then braking, with the clearance kept all along the way. Otherwise the velocity nearest to the one asked
-    for takes its place, out of those that approach no obstacle faster than can be stopped, if it passes the same test;
-    and where none does, the vehicle begins the way to rest that it had when it was last found safe.
+    away and then braking, with the clearance kept all along the way. Otherwise the acceleration nearest to the one
+    asked for takes its place, out of those that approach no obstacle faster than can be stopped, if it passes the same
+    test; and where none does, the vehicle begins a free way to rest.
 
-    Sources: barrier of the braking distance, Fox, Burgard, Thrun 1997 and Ames et al. 2017; a nominal command filtered by
-    a committed way to rest, Agrawal, Chen, Panagou 2023 (gatekeeper); passive safety, Bouraine, Fraichard, Salhi 2012.
+    Sources: braking distance as a limit, Fox, Burgard, Thrun 1997; barriers, Ames et al. 2017; a command let through as
+    long as a way back is known, Agrawal, Chen, Panagou 2023; at rest by contact, Bouraine, Fraichard, Salhi 2012.
     """
 
     guards = True
@@ -277,20 +277,3 @@ class Decision:
     def pressed(self, asked: Array, blocks: list[Block]) -> tuple[Stop, Escape]:
         """Return braking (3,) m/s², pressed to the safe side of all that is in the way as hard as the vehicle can."""
         return self.way(self.pushed(asked, blocks, strong=True), BRAKE, self.memory.full), BRAKE
-
-    def closest(self) -> list[Block]:
-        """Return the nearest obstacle, where there is any, as a half-space."""
-        if math.isinf(self.room.distance):
-            return []
-        normal = self.around.obstacles.gradient(self.room.here)
-        return [Block(normal, self.room.distance - self.room.needed, 0.0)] if normal.any() else []
-
-    def pressed(self, asked: Array, blocks: list[Block]) -> tuple[Stop, Escape]:
-        """Return braking (3,) m/s², pressed to the safe side of all that is in the way as hard as the vehicle can."""
-        full = self.memory.full
-        place, velocity = np.empty(3), np.empty(3)
-        bound_for(self.motion, full, place, velocity)
-        least = np.array([self.least(each, place, velocity, strong=True) for each in blocks])
-        most = nearest(asked, np.array([each.normal for each in blocks]), least)
-        clip(most, full)
-        return self.way(most, BRAKE, full), BRAKE

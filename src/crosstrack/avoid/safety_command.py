@@ -7,6 +7,7 @@ import numpy as np
 from crosstrack.avoid.safety_motion import Ability
 from crosstrack.compiled import compiled
 from crosstrack.types import GRAVITY, Array, AttitudeSetpoint, Command, RateSetpoint, Setpoint, State
+from crosstrack.vectors import limited
 
 POSITION_GAIN = 1.6
 """1/s, of an autopilot, as is usual"""
@@ -21,21 +22,17 @@ def asked_by(command: Command, state: State, able: Ability, period: float) -> Ar
     """Return the acceleration (3,) m/s² that a command asks for, by the end of the period (s) at the latest."""
     if isinstance(command, Setpoint):
         return answered(state.position, state.velocity, command.position, command.velocity, command.acceleration, able)
-    return limited(command.thrust * thrust_axis(command, state, period + able.turn_time + able.spin_time) - FALL, 3.0 * GRAVITY)
-
-
-def limited(vector: Array, most: float) -> Array:
-    """Return a vector (3,), shortened to a length where it is longer."""
-    size = float(np.linalg.norm(vector))
-    return vector * (most / size) if size > most else vector
+    return limited(
+        command.thrust * thrust_axis(command, state, period + able.turn_time + able.spin_time) - FALL, 3.0 * GRAVITY
+    )
 
 
 @compiled
 def answered(position: Array, velocity: Array, place: Array, feed: Array, push: Array, able: Ability) -> Array:
     """Return the acceleration (3,) m/s² by which an autopilot answers a setpoint; NaN components are left to it.
 
-    u = push + k_v (feed + k_p (place - position) - velocity), at most what tilt and thrust give. A component that is
-    given an acceleration alone is flown open loop, and one that is given nothing is brought to rest.
+    u = push + k_v (v* - velocity), v* = feed + k_p (place - position), at most what speed, tilt and thrust allow.
+    What is given an acceleration alone is flown open loop, and what is given nothing is brought to rest.
 
     Args:
         position: (3,) m, of the vehicle
@@ -45,16 +42,18 @@ def answered(position: Array, velocity: Array, place: Array, feed: Array, push: 
         push: (3,) m/s², asked for
         able: what the vehicle is able to
     """
-    out = np.empty(3)
+    out, goal, closed = np.empty(3), np.zeros(3), np.zeros(3)
     for k in range(3):
         pushed = not math.isnan(push[k])
         out[k] = push[k] if pushed else 0.0
         if not math.isnan(place[k]) or not math.isnan(feed[k]) or not pushed:
-            goal = 0.0 if math.isnan(feed[k]) else feed[k]
+            closed[k] = VELOCITY_GAIN
+            goal[k] = 0.0 if math.isnan(feed[k]) else feed[k]
             if not math.isnan(place[k]):
-                goal += POSITION_GAIN * (place[k] - position[k])
-            out[k] += VELOCITY_GAIN * (goal - velocity[k])
-        out[k] = min(1e6, max(-1e6, out[k]))
+                goal[k] += POSITION_GAIN * (place[k] - position[k])
+    goal = limited(goal, able.speed)
+    for k in range(3):
+        out[k] = min(1e6, max(-1e6, out[k] + closed[k] * (goal[k] - velocity[k])))
     clip(out, able)
     return out
 

@@ -4,8 +4,8 @@ On each axis, with the acceleration u asked for,
 
     dp/dt = v,   dv/dt = a,   da/dt = j,   dj/dt = s,   τ₃ ds/dt = ((u - a)/τ₁ - j)/τ₂ - s
 
-while the thrust up, a_z + g, is steady. It changes faster than the tilt, and with it the acceleration sideways, which is
-the tangent of the tilt times it; the tilt changes at the rate Ω at most.
+while the thrust up, a_z + g, is steady. It changes faster than the tilt, and with it the acceleration sideways, which
+is the tangent of the tilt times it; the tilt changes at the rate Ω at most.
 
 The place q = p + τ₁(v + τ₂(a + τ₃ j)) and the velocity w = v + τ₁(a + τ₂(j + τ₃ s)) are what the vehicle is bound for:
 whatever was asked for before is in them, and they are a double integrator, dq/dt = w and dw/dt = u. At rest q = p.
@@ -62,25 +62,45 @@ class Ability(NamedTuple):
     """s, age of the state when it is known"""
     response: float
     """s, all lags together"""
+    speed: float
+    """m/s, the fastest that an autopilot flies towards a place"""
     gain: float
     """1/s, k, the most by which a velocity is brought to rest: the end of braking is in proportion"""
 
 
 def ability(envelope: Envelope, share: float) -> Ability:
     """Return what is left for braking when only a share of the acceleration is counted on."""
-    sideways, vertical = share * min(envelope.acceleration, GREATEST), share * min(envelope.acceleration_vertical, GREATEST)
+    sideways, vertical = (
+        share * min(envelope.acceleration, GREATEST),
+        share * min(envelope.acceleration_vertical, GREATEST),
+    )
     model, response = envelope.model, max(envelope.response_time, 2 * STEP)
     gain = AGILITY / response
     if model is None:
         lift = 2 * envelope.acceleration_vertical
         most = math.hypot(GRAVITY + lift, 2 * envelope.acceleration)
         thrusts = GRAVITY - lift, most, math.inf
-        return Ability(sideways, vertical, response, SHORT, SHORT, response, math.inf, *thrusts, 0.0, response, gain)
+        return Ability(
+            sideways,
+            vertical,
+            response,
+            SHORT,
+            SHORT,
+            response,
+            math.inf,
+            *thrusts,
+            0.0,
+            response,
+            envelope.speed,
+            gain,
+        )
     tilt, turn = max(model.attitude_time, 2 * STEP), max(model.rate_time - model.thrust_time, SHORT)
     spin, lift = max(model.thrust_time, SHORT), max(model.thrust_time, 2 * STEP)
     late = max(0.0, envelope.response_time - model.attitude_time - model.rate_time)
     thrusts = model.thrust_min, model.thrust_max, math.tan(model.tilt_max)
-    return Ability(sideways, vertical, tilt, turn, spin, lift, model.rate_max, *thrusts, late, response, gain)
+    return Ability(
+        sideways, vertical, tilt, turn, spin, lift, model.rate_max, *thrusts, late, response, envelope.speed, gain
+    )
 
 
 @compiled

@@ -109,7 +109,7 @@ def stopping(
     u, q, w = np.zeros(3), np.empty(3), np.empty(3)
     points[0], moments[0] = motion[0], 0.0
     turns = normal[0] != 0.0 or normal[1] != 0.0 or normal[2] != 0.0
-    parts = max(1, int(math.ceil(hold / STEP - 1e-9)))
+    parts = max(1, math.ceil(hold / STEP - 1e-9))
     holding = 0 if math.isnan(command[0]) else parts
     h = hold / parts
     count, k, length, rests = 1, 0, 0.0, False

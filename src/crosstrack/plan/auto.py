@@ -28,6 +28,8 @@ MARGINS = (1.2, 1.0, 0.25)
 """of the margin, that ways are looked for with: in turn, as long as there is none"""
 NEAR = 0.05
 """m, a way too short to be one"""
+EASE = 0.7
+"""of the acceleration that the task allows, planned with: the less, the less the flight is off the plan"""
 STRONGEST = 10.0
 """m/s², planned with for a vehicle that turns at once"""
 
@@ -67,7 +69,7 @@ class Auto:
         Raises:
             Unreachable: obstacles leave no way.
         """
-        limits, start = limits_of(task), task.waypoints[0]
+        limits, start = limits_of(task, EASE), task.waypoints[0]
         free = Free(task.world, task.radius + self.margin, self.reach, room(task.world, task.radius), limits)
         check_goals(task)
         way, through = self.way(task, free.box)
@@ -79,8 +81,11 @@ class Auto:
         return stop_and_go(way, limits) if at_rest(task.motion) else self.slowed(task, free)
 
     def slowed(self, task: PlanningTask, free: Free) -> PiecewisePolynomial:
-        """Return the trajectory that leads to where it could stop and on from there; it stops there if it must."""
-        start = task.waypoints[0]
+        """Return the trajectory that leads to where it could stop and on from there; it stops there if it must.
+
+        With all the acceleration that the task allows.
+        """
+        start, free = task.waypoints[0], replace(free, limits=limits_of(task, 1.0))
         stop = braking(task.world, start, task.motion, free.clearance, free.limits)
         turn = stop(stop.duration)
         later = rested(task, turn)
@@ -136,13 +141,13 @@ def check_goals(task: PlanningTask) -> None:
         raise Unreachable("auto", [Problem("goal" if last else f"waypoints[{near[0] + 1}]", message)])
 
 
-def limits_of(task: PlanningTask) -> MotionLimits:
-    """Return the limits of a task, finite."""
+def limits_of(task: PlanningTask, share: float) -> MotionLimits:
+    """Return the limits of a task, finite, with a share of its acceleration."""
     envelope = task.envelope
     return MotionLimits(
         speed=task.speed,
         speed_vertical=envelope.speed_vertical,
-        acceleration=min(envelope.acceleration, STRONGEST),
+        acceleration=share * min(envelope.acceleration, STRONGEST),
         acceleration_vertical=min(envelope.acceleration_vertical, STRONGEST),
     )
 

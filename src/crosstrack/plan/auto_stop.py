@@ -83,7 +83,7 @@ def braking(world: Map, position: Array, motion: Array, clearance: float, limits
     ends = ends + np.tile(offsets, (len(STRETCHES), 1)) * 0.5 * durations[:, None] * speed
     knots = np.zeros((len(ends), 2, 3, 3))
     knots[:, 0, 0], knots[:, 0, 1:], knots[:, 1, 0] = position, motion, ends
-    curves = [piecewise(pair, duration[None]) for pair, duration in zip(knots, durations, strict=True)]
+    curves = [piecewise(pair, duration) for pair, duration in zip(knots, durations[:, None], strict=True)]
     shares = np.linspace(0.0, 1.0, INSTANTS)
     points = np.array([curve(shares * curve.duration) for curve in curves])
     gaps: Array = np.asarray(world.distance(points))

@@ -15,7 +15,7 @@ from crosstrack.search.taut import taut
 from crosstrack.types import Array
 
 Sampling = Literal["rrt_connect", "rrt_star", "informed_rrt_star", "bit_star"]
-PLANNERS = {
+PLANNERS: dict[Sampling, str] = {
     "rrt_connect": "RRTConnect",
     "rrt_star": "RRTstar",
     "informed_rrt_star": "InformedRRTstar",

@@ -115,7 +115,7 @@ class Movers:
 
 
 def compared(views: Sequence[View], time: float) -> list[View]:
-    """Return the views of each sensor nearest to the ages to compare a scan with, none younger than half of the first."""
+    """Return the views of each sensor nearest to `AGES` before a time (s), none younger than half of the first."""
     old = [view for view in views if time - view.time >= AGES[0] / 2]
     chosen = [
         min((view for view in old if view.beams == beams), key=lambda view: abs(time - view.time - age))

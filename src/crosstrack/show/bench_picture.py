@@ -40,8 +40,8 @@ def flight_picture(result: Mapping[str, Any], path: str | Path) -> None:
     axes.plot(*start[:2], "o", color=INK, markersize=8, label="start")
     axes.plot(*goal[:2], "*", color=INK, markersize=13, label="goal")
     sentence = Outcome[result["outcome"].upper()].value
-    after = f" After {summary['flight_time_s']:.1f} s." if summary else ""
-    axes.set_title(f"{document['name']}\n{sentence}{after}", loc="left", fontsize=11, parse_math=False)
+    after = f", after {summary['flight_time_s']:.1f} s" if summary else ""
+    axes.set_title(f"{document['name']}{after}\n{sentence}", loc="left", fontsize=10, parse_math=False)
     axes.set(xlabel="x, east (m)", ylabel="y, north (m)")
     axes.set_aspect("equal")
     axes.grid(color=GRID)

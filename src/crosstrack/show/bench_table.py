@@ -51,7 +51,7 @@ def cells(row: Score) -> tuple[str, ...]:
 def otherwise(row: Score) -> str:
     """Return how the flights ended that did not succeed."""
     rest = row.flights - row.succeeded - row.collided - row.late - row.lost
-    counts = {"collided": row.collided, "late": row.late, "lost": row.lost, "not there": rest}
+    counts = {"collided": row.collided, "late": row.late, "lost": row.lost, "not arrived": rest}
     return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
 
 
