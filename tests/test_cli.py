@@ -26,8 +26,8 @@ HOP = "start: {position: [0, 0, 5]}\nroute: [[4, 0, 5], [4, 4, 5]]\nspeed: 3\n"
 KEYS = {
     "outcome", "outcome_text", "arrived", "collided", "flight_time_s", "cross_track_rms_m", "cross_track_max_m",
     "cross_track_rms_captured_m", "cross_track_max_captured_m", "final_error_m", "final_speed_mps",
-    "min_clearance_m", "path_length_m", "flown_length_m", "max_speed_mps", "mean_speed_mps", "min_separation_m", "replans",
-    "safety_interventions", "planning_time_s", "decision_time_s", "decision_time_p99_s", "wall_time_s",
+    "min_clearance_m", "path_length_m", "flown_length_m", "max_speed_mps", "mean_speed_mps", "min_separation_m",
+    "replans", "safety_interventions", "planning_time_s", "decision_time_s", "decision_time_p99_s", "wall_time_s",
 }  # fmt: skip
 FILES = ("summary.json", "flight.mcap", "report.html")
 

@@ -14,7 +14,7 @@ from crosstrack.flight.summary import summary
 from crosstrack.follow.carrot import Carrot
 from crosstrack.mission import Mission, load, schema
 from crosstrack.mission.check import remarks
-from crosstrack.mission.flying import fly
+from crosstrack.mission.flying import fly_together
 from crosstrack.types import Outcome
 from crosstrack.world.world import World
 
@@ -27,9 +27,15 @@ def example(name: str) -> Mission:
 
 
 @cache
+def flights_of(name: str) -> list[Flight]:
+    """Return the flights of an example, one for each vehicle, flown once."""
+    return fly_together(example(name))
+
+
 def flight_of(name: str) -> Flight:
-    """Return an example's flight, flown once."""
-    return fly(example(name))
+    """Return the flight of an example's only vehicle."""
+    (flight,) = flights_of(name)
+    return flight
 
 
 def flown(name: str) -> dict[str, Any]:
@@ -39,7 +45,7 @@ def flown(name: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_example_arrives(name: str) -> None:
-    assert flown(name)["outcome"] == "arrived"
+    assert {flight.outcome for flight in flights_of(name)} == {Outcome.ARRIVED}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -154,7 +160,8 @@ def test_rooms_stay_clear_of_the_walls_of_the_picture() -> None:
 
 def test_the_demo_finds_its_way_past_what_is_on_no_map() -> None:
     plan = example("demo").build()
-    assert plan.told is not None
+    assert isinstance(plan.told, World)
+    assert isinstance(plan.scenario.world, World)
     hidden = np.array([[11.5, 9.6, 1.5], [20.2, 9, 1.5], [30, 10.3, 1.5]])
     assert (plan.scenario.world.distance(hidden) < 0).all()
     assert (plan.told.distance(hidden) > 0).all()

@@ -29,6 +29,12 @@ def gap_ahead(way: Array, velocity: Array, horizon: float) -> float:
     return float(np.linalg.norm(way - time * velocity))
 
 
+def boundary_of(way: Array, velocity: Array, radius: float, horizon: float) -> tuple[float, float, float, float]:
+    px, py, pz = way.tolist()
+    vx, vy, vz = velocity.tolist()
+    return apart(px, py, pz, vx, vy, vz, radius, horizon)
+
+
 @given(seeds)
 def test_the_excess_is_the_way_to_the_boundary_of_the_velocity_obstacle(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -36,7 +42,7 @@ def test_the_excess_is_the_way_to_the_boundary_of_the_velocity_obstacle(seed: in
     way = rng.normal(size=3)
     way *= rng.uniform(1.05, 8) * radius / np.linalg.norm(way)
     velocity = rng.uniform(-4, 4, 3)
-    *normal, outside = apart(*way, *velocity, radius, horizon)
+    *normal, outside = boundary_of(way, velocity, radius, horizon)
     assert np.linalg.norm(normal) == pytest.approx(1)
     assert (outside < 0) == (gap_ahead(way, velocity, horizon) < radius)
     boundary = velocity - outside * np.array(normal)
@@ -55,7 +61,7 @@ def test_two_that_take_half_each_stay_clear(seed: int) -> None:
     way = rng.normal(size=3)
     way *= rng.uniform(0.6, 5) / np.linalg.norm(way)
     own, other = rng.uniform(-2, 2, (2, 3))
-    *normal, outside = apart(*way, *(own - other), radius, horizon)
+    *normal, outside = boundary_of(way, own - other, radius, horizon)
     n = np.array(normal)
     for _ in range(30):
         mine, its = rng.uniform(-3, 3, (2, 3))

@@ -27,6 +27,7 @@ def test_values_are_read_as_yaml() -> None:
     assert mission.tracker == Carrot(lookahead=2)
     assert (mission.speed, mission.loop, mission.wind.gusts) == (0.1, True, "light")
     assert mission.wind.mean == (1, 2, 0)
+    assert mission.route is not None
     assert mission.route[1] == (20, 20, 12)
     assert mission.start.yaw == 1.5
     assert mission.name == "a=b"

@@ -21,11 +21,13 @@ def optimum(cost: Array, linear: Array, rows: Array, upper: Array, equal: int = 
     """Minimise ½ xᵀPx + qᵀx while the first rows hold with equality and the others are at most their bounds."""
     options: Any = clarabel.DefaultSettings()
     options.verbose = False
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = 1e-12
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = 1e-10
     cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(len(rows) - equal)]
     triangle = sparse.triu(sparse.csc_matrix(cost), format="csc")
     solver = clarabel.DefaultSolver(triangle, linear, sparse.csc_matrix(rows), upper, cones, options)
-    return np.array(solver.solve().x)
+    found = solver.solve()
+    assert str(found.status) == "Solved"
+    return np.array(found.x)
 
 
 def plant(rng: np.random.Generator) -> tuple[Array, Array, Array, Array]:

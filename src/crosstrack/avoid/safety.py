@@ -83,7 +83,7 @@ class Safety:
     share: Annotated[float, Gt(0), Le(1)] = 0.75
     """of the vehicle's acceleration, counted on for braking; the rest is held in reserve"""
     margin: NonNegative = 0.01
-    """m, kept beyond the vehicle's radius"""
+    """m, kept beyond the vehicle's radius; at least what the map's distances may be too large by"""
 
     def start(self, course: Course, around: Surroundings, state: State) -> SafetyMemory:
         """Begin with what the vehicle can do.
@@ -143,7 +143,7 @@ class Decision:
         )
         self.memory = replace(memory, jerk=jerk)
         here = self.motion[0]
-        needed = memory.radius + self.law.margin
+        needed = memory.radius + max(self.law.margin, self.around.obstacles.optimism)
         blind = math.sqrt(float(state.velocity @ state.velocity)) * (memory.between + self.duration)
         distance = float(self.around.obstacles.distance(here))
         planes = memory.planes

@@ -24,6 +24,8 @@ MARGIN = 1.5
 """voxels, beyond a point that a ray must have gone to have gone through it"""
 MEMORY = 5.0
 """s, after which a point goes that rays pass by closely and that was not seen again"""
+CELL = 0.05
+"""m, edge of a voxel of the map for some sensors"""
 KNOWN = 0.15
 """m, from an obstacle of the map told within which a hit is one of it"""
 
@@ -51,7 +53,7 @@ class LocalMap:
     @classmethod
     def around(cls, sensors: Sequence[Sensor], told: Map) -> "LocalMap":
         """Return the empty map for some sensors: as wide as they see to both sides, at most `WIDEST`."""
-        return cls(min(2.0 * max(sensor.range for sensor in sensors) + 2.0, WIDEST), 0.1, told)
+        return cls(min(2.0 * max(sensor.range for sensor in sensors) + 2.0, WIDEST), CELL, told)
 
     @property
     def ground(self) -> float:
@@ -67,9 +69,10 @@ class LocalMap:
     def optimism(self) -> float:
         """m, by which a distance of at least `clearance` may exceed that to a surface of which every voxel was hit.
 
-        A point is then at most a voxel's edge c beside the nearest spot of a flat surface: √(d² + c²) - d.
+        A point is then at most a voxel's edge c beside the nearest spot of a flat surface, √(d² + c²) - d, and as the
+        mean of its hits at most c/2 inside a sharp edge.
         """
-        return math.hypot(self.clearance, self.cell) - self.clearance
+        return max(math.hypot(self.clearance, self.cell) - self.clearance, 0.5 * self.cell)
 
     @property
     def points(self) -> Array:

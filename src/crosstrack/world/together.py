@@ -32,7 +32,7 @@ class Together:
 
     def distance(self, points: Array) -> Array:
         """Return the signed distance from `points` (..., 3) to the nearest obstacle, (...), m; inf without any."""
-        return np.minimum.reduce([part.distance(points) for part in self.maps])
+        return np.asarray(np.minimum.reduce([part.distance(points) for part in self.maps]))
 
     def gradient(self, points: Array) -> Array:
         """Return the gradient of the distance, (..., 3): away from the nearest obstacle; zero without any."""
@@ -46,8 +46,8 @@ class Together:
 
     def field(self, low: Array, cell: float, counts: tuple[int, int, int], reach: float) -> Field:
         """Return the distance at the points of a lattice, see `protocols.Map`."""
-        return np.minimum.reduce([part.field(low, cell, counts, reach) for part in self.maps])
+        return np.asarray(np.minimum.reduce([part.field(low, cell, counts, reach) for part in self.maps]))
 
     def cast(self, origin: Array, directions: Array, reach: float) -> Array:
         """Return how far (n,) m rays go until they hit an obstacle, see `protocols.Map`."""
-        return np.minimum.reduce([part.cast(origin, directions, reach) for part in self.maps])
+        return np.asarray(np.minimum.reduce([part.cast(origin, directions, reach) for part in self.maps]))
