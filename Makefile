@@ -33,6 +33,10 @@ pictures: $(VENV)/installed
 	cp runs/city/space.png docs/pictures/city.png
 	cp runs/article_four_points/plan.png docs/pictures/article_four_points.png
 	cp runs/airsim_path_10/plan.png docs/pictures/airsim_path_10.png
+	for name in swap_8 formation_forest; do \
+		$(BIN)/crosstrack fly examples/$$name.yaml --out runs/$$name --png || exit 1; \
+		cp runs/$$name/together.png docs/pictures/$$name.png; done
+	$(BIN)/python examples/potential_field.py
 	for law in $(FOLLOWERS); do \
 		$(BIN)/crosstrack fly examples/square.yaml --out runs/$$law --png --set tracker.kind=$$law --set speed=8 \
 			--set 'wind={mean: [3, 2, 0], gusts: moderate}' || exit 1; \

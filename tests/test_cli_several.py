@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+from PIL import Image, ImageColor
 
 from crosstrack.cli.app import run
+from crosstrack.show.style import PALETTE
 
 FLEET = """
 vehicles:
@@ -26,9 +28,14 @@ def test_each_has_its_log_and_all_have_one_summary_and_report(
     fleet: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    assert run(["fly", str(fleet), "--out", str(out)]) == 0
+    assert run(["fly", str(fleet), "--out", str(out), "--png"]) == 0
     assert "2 of 2 arrived." in capsys.readouterr().out
-    assert {path.name for path in out.iterdir()} == {"left.mcap", "right.mcap", "summary.json", "report.html"}
+    assert {path.name for path in out.iterdir()} == {
+        "left.mcap", "right.mcap", "summary.json", "report.html", "together.png",
+    }  # fmt: skip
+    with Image.open(out / "together.png") as picture:
+        colours = {colour for _, colour in picture.convert("RGB").getcolors(1 << 24) or ()}
+    assert {ImageColor.getrgb(colour) for colour in PALETTE[:2]} <= colours
     summary = json.loads((out / "summary.json").read_text())
     assert [vehicle["name"] for vehicle in summary["vehicles"]] == ["left", "right"]
     assert summary["arrived"] is True

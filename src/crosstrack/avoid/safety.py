@@ -28,6 +28,8 @@ EVADE = 0.85
 """of the acceleration counted on, for turning away: a turn is known less well than braking"""
 WARY = 1.0
 """the same, for a command to pass after one that did not: so that passing and braking do not alternate"""
+HARD = 2.5
+"""of the gain, where no way is free: it may overshoot then, since that is away from what is in the way"""
 WORTH = 0.005
 """m, of clearance that a way must gain to be taken instead of pressing away from obstacles"""
 SKIM = 1.0
@@ -252,7 +254,8 @@ class Decision:
     def retreat(self, asked: Array) -> tuple[Stop, Escape]:
         """Return the free way to rest, beginning now, that is nearest to what was asked for; the best if none is."""
         blocks: list[Block] = []
-        for able in (self.memory.counted, self.memory.full):
+        hard = self.memory.full._replace(gain=HARD * self.memory.full.gain)
+        for able in (self.memory.counted, self.memory.full, hard):
             ways = [(self.way(NOTHING, BRAKE, able), BRAKE)]
             block = self.blocked(ways[0][0]) or self.blocked(self.way(asked, BRAKE, able))
             if block is not None:
@@ -262,7 +265,7 @@ class Decision:
             if free:
                 return min(free, key=lambda pair: float(np.linalg.norm(pair[0].asked - asked)))
             blocks = [hit for hit in found if hit is not None]
-        pressed = self.pressed(ways[0][0].asked, blocks + self.closest())
+        pressed = self.pressed(ways[0][0].asked, blocks + self.closest(), hard)
         best = max(ways, key=lambda pair: least_clearance(pair[0], self.around))
         gained = least_clearance(best[0], self.around) - least_clearance(pressed[0], self.around)
         return best if gained > WORTH else pressed
@@ -274,6 +277,6 @@ class Decision:
         normal = self.around.obstacles.gradient(self.room.here)
         return [Block(normal, self.room.distance - self.room.needed, 0.0)] if normal.any() else []
 
-    def pressed(self, asked: Array, blocks: list[Block]) -> tuple[Stop, Escape]:
+    def pressed(self, asked: Array, blocks: list[Block], able: Ability) -> tuple[Stop, Escape]:
         """Return braking (3,) m/s², pressed to the safe side of all that is in the way as hard as the vehicle can."""
-        return self.way(self.pushed(asked, blocks, strong=True), BRAKE, self.memory.full), BRAKE
+        return self.way(self.pushed(asked, blocks, strong=True), BRAKE, able), BRAKE

@@ -138,11 +138,14 @@ def write(flights: Sequence[Flight], folder: Path, png: bool) -> None:
 
     (folder / SUMMARY).write_text(json.dumps(numbers_of(flights), indent=2) + "\n", encoding="utf-8")
     report(flights, folder / REPORT)
-    if png:
+    if png and len(flights) == 1:
         from crosstrack.show.pictures import pictures
 
-        for flight in flights:
-            pictures(flight, folder if len(flights) == 1 else made(folder / flight.plan.name))
+        pictures(flights[0], folder)
+    elif png:
+        from crosstrack.show.together_picture import picture_together
+
+        picture_together(flights, folder / "together.png")
 
 
 def numbers_of(flights: Sequence[Flight]) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class Navigator:
 
     def remaining(self, progress: float) -> Array:
         """Return the waypoints (n, 3) m beyond a progress (m), at least the goal."""
-        ahead = [point for s, point in self.pending[:-1] if s > progress]
+        ahead = [point for s, point in self.pending[:-1] if s > progress + NEAR]
         return np.array([*ahead, self.pending[-1][1]])
 
     def again(self, state: State, around: Surroundings, memory: Memory, held: bool) -> Course | None:

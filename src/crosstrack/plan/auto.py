@@ -28,6 +28,8 @@ MARGINS = (1.2, 1.0, 0.25)
 """of the margin, that ways are looked for with: in turn, as long as there is none"""
 NEAR = 0.05
 """m, a way too short to be one"""
+HORIZON = 10.0
+"""m, of the way that is planned in motion: it ends at rest there, and is planned on before that"""
 EASE = 0.7
 """of the acceleration that the task allows, planned with: the less, the less the flight is off the plan"""
 STRONGEST = 10.0
@@ -75,10 +77,11 @@ class Auto:
         way, through = self.way(task, free.box)
         if length(way) < NEAR:
             return settled(start, task.motion, task.waypoints[-1], limits)
-        found = fitted(free, way, through, task.motion)
+        resting = at_rest(task.motion)
+        found = fitted(free, *((way, through) if resting else begun(way, through, HORIZON)), task.motion)
         if found is not None:
             return found
-        return stop_and_go(way, limits) if at_rest(task.motion) else self.slowed(task, free)
+        return stop_and_go(way, limits) if resting else self.slowed(task, free)
 
     def slowed(self, task: PlanningTask, free: Free) -> PiecewisePolynomial:
         """Return the trajectory that leads to where it could stop and on from there; it stops there if it must.
@@ -92,7 +95,7 @@ class Auto:
         if np.linalg.norm(turn - start) > NEAR and np.linalg.norm(turn - task.waypoints[1]) > NEAR:
             way, through = self.way(later, free.box)
             way, through = np.concatenate([start[None], way]), np.concatenate([[False], through])
-            found = fitted(free, way, through, task.motion)
+            found = fitted(free, *begun(way, through, HORIZON), task.motion)
             if found is not None:
                 return found
         return after(stop, self.curve(later))
@@ -124,6 +127,17 @@ class Auto:
             points.append(way[1:])
             through += [False] * (len(way) - 2) + [True]
         return np.concatenate(points), np.array(through)
+
+
+def begun(way: Array, through: NDArray[np.bool_], horizon: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the first part of a way (n, 3) m up to a horizon (m), and which of its points are waypoints."""
+    arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    if arcs[-1] <= horizon:
+        return way, through
+    last = int(np.searchsorted(arcs, horizon - NEAR))
+    share = min((horizon - arcs[last - 1]) / (arcs[last] - arcs[last - 1]), 1.0)
+    end = way[last - 1] + share * (way[last] - way[last - 1])
+    return np.concatenate([way[:last], end[None]]), np.append(through[:last], False)
 
 
 def check_goals(task: PlanningTask) -> None:
