@@ -233,7 +233,7 @@ class Avoider(Protocol[D]):
         """Whether it is there for safety alone: it takes any kind of command, and changes it only where it must."""
 
     def start(self, course: Course, around: Surroundings, state: State) -> D:
-        """Return the memory to begin with, and to go on with on a new course."""
+        """Return the memory to begin with, and to go on with on a new course; one that guards keeps its memory then."""
 
     def step(
         self, memory: D, command: Command, state: State, around: Surroundings, duration: float

@@ -135,6 +135,24 @@ def test_waypoints_passed_are_left_out() -> None:
     assert navigator.remaining(19.99)[:, 0].tolist() == [20]
 
 
+def test_where_it_starts_is_no_waypoint_ahead() -> None:
+    navigator = navigating(Detours())
+    (_, start), goal = navigator.pending
+    navigator.pending = [(1e-12, start), goal]
+    assert navigator.remaining(0.0)[:, 0].tolist() == [20]
+
+
+def test_off_the_trajectory_the_plan_begins_with_the_motion_of_the_vehicle() -> None:
+    planner = Detours()
+    navigator = navigating(planner)
+    trajectory = navigator.course.trajectory
+    assert trajectory is not None
+    state = at(3.0, trajectory(3.0) + [0, 0.3, 0], np.array([0.5, 0.2, 0]))
+    assert navigator.again(state, SEEING, remembering(2.0), held=False) is not None
+    np.testing.assert_array_equal(planner.asked[0].waypoints[0], state.position)
+    np.testing.assert_array_equal(planner.asked[0].motion[0], state.velocity)
+
+
 def test_what_cannot_be_planned_is_tried_again_and_no_way_ends_it() -> None:
     planner = Detours(refusal=Infeasible("plan", [Problem("", "too fast")]))
     navigator = navigating(planner)

@@ -22,7 +22,7 @@ TRIES = 4
 """commands tried before the vehicle begins a way to rest"""
 CAUTION = 0.95
 """of the deceleration counted on, for commands that are proposed: so that they are found safe"""
-SLOW = 0.4
+SLOW = 0.7
 """of the response time, by which a vehicle may begin to brake later than expected"""
 EVADE = 0.85
 """of the acceleration counted on, for turning away: a turn is known less well than braking"""
@@ -101,7 +101,7 @@ class Safety:
             ability(envelope, self.share),
             ability(envelope, 1.0),
             envelope.radius,
-            planes_of(around.obstacles),
+            planes_of(around.obstacles, self.margin),
             np.zeros(3),
         )
 

@@ -46,14 +46,14 @@ class Room(NamedTuple):
     """(n, 4) of ground and bounds: unit normal n inwards and c of n·x >= c"""
 
 
-def planes_of(obstacles: Map) -> Array:
-    """Return ground and bounds as planes (n, 4): normal inwards and offset."""
+def planes_of(obstacles: Map, margin: float) -> Array:
+    """Return ground and bounds as planes (n, 4): normal inwards and offset; walls and ceiling a margin (m) within."""
     rows = [(0.0, 0.0, 1.0, obstacles.ground)]
     if obstacles.bounds is not None:
         for k in range(3):
             unit = np.eye(3)[k]
-            rows.append((*unit, obstacles.bounds[0, k]))
-            rows.append((*-unit, -obstacles.bounds[1, k]))
+            rows.append((*unit, obstacles.bounds[0, k] + (margin if k < 2 else 0.0)))
+            rows.append((*-unit, margin - obstacles.bounds[1, k]))
     return np.array([row for row in rows if math.isfinite(row[3])]).reshape(-1, 4)
 
 

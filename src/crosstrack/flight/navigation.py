@@ -17,6 +17,8 @@ SPACING = 0.05
 """m, between the points of the course that are checked: between two of them it is 1.3 mm nearer, 0.25 m away"""
 ADRIFT = 0.5
 """m, from where the trajectory is by then, beyond which it is not what is flown any more"""
+OFF = 0.15
+"""m, from there, up to which a new course goes on from the trajectory, smoothly, and not from where the vehicle is"""
 TRAPPED = 2.0
 """s, with less than LITTLE of the progress planned, while something keeps the vehicle from it"""
 LITTLE = 0.2
@@ -115,10 +117,14 @@ class Navigator:
 
     def adrift(self, state: State) -> bool:
         """Return whether the vehicle is far from where its trajectory is by now."""
+        return self.course.trajectory is not None and self.off(state) > ADRIFT
+
+    def off(self, state: State) -> float:
+        """Return how far (m) the vehicle is from where its trajectory is by now; inf without one."""
         trajectory = self.course.trajectory
         if trajectory is None:
-            return False
-        return float(np.linalg.norm(trajectory(state.time - self.began) - state.position)) > ADRIFT
+            return np.inf
+        return float(np.linalg.norm(trajectory(state.time - self.began) - state.position))
 
     def short(self, now: float) -> bool:
         """Return whether the course ends before the goal, and that end is near in time."""
@@ -164,7 +170,7 @@ class Navigator:
         Those of the present trajectory where it is followed, so that the new one goes on smoothly.
         """
         trajectory, t = self.course.trajectory, state.time - self.began
-        if trajectory is None or self.adrift(state):
+        if trajectory is None or self.off(state) > OFF:
             return state.position, np.array([state.velocity, np.zeros(3)])
         return trajectory(t), np.array([trajectory(t, 1), trajectory(t, 2)])
 

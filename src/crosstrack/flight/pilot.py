@@ -55,7 +55,10 @@ class Pilot:
         if course is None:
             return
         self.tracking = self.plan.tracker.start(course, state)
-        self.memories = [avoider.start(course, around, state) for avoider in self.plan.avoiders]
+        self.memories = [
+            memory if avoider.guards else avoider.start(course, around, state)
+            for avoider, memory in zip(self.plan.avoiders, self.memories, strict=True)
+        ]
         self.replanned = course.path(np.linspace(0.0, course.path.length, 200))
 
     def avoided(self, command: Command, state: State, around: Surroundings) -> Command:

@@ -15,7 +15,7 @@ from crosstrack.plan.facing import Look, facing
 from crosstrack.protocols import Map, PlanningTask, Trajectory
 from crosstrack.search.sampled import Sampling, sampled_way
 from crosstrack.search.taut import direct, length
-from crosstrack.search.way import find_way
+from crosstrack.search.way import REPAIRS, find_way
 from crosstrack.trajectory.limits import MotionLimits
 from crosstrack.trajectory.polynomial import PiecewisePolynomial
 from crosstrack.types import Array, NonNegative, Positive
@@ -26,6 +26,16 @@ CLOSER = 0.01
 """m, by which the legs that a trajectory goes along may be closer to obstacles than the way"""
 MARGINS = (1.2, 1.0, 0.25)
 """of the margin, that ways are looked for with: in turn, as long as there is none"""
+AMPLE = 0.4
+"""m, beyond the radius, of ways that are looked for first in motion: more is seen from there, and flown fast"""
+DETOUR, CURIOSITY = 1.2, 2.0
+"""by which factor, and by how much (m) besides, such a way may be longer than the shortest"""
+FEW_REPAIRS = 3
+"""of ways that are looked for in motion, but for the narrowest: only there must it be certain that there is none"""
+REACH = 0.4
+"""m, how far a search looks at distances, at least"""
+DOUBT = 0.005
+"""m, that a way keeps beyond what the map's distances may be too large by"""
 NEAR = 0.05
 """m, a way too short to be one"""
 HORIZON = 10.0
@@ -63,10 +73,10 @@ class Auto:
         Raises:
             Unreachable: obstacles leave no way.
         """
-        return facing(self.curve(task), self.yaw)
+        return facing(self.curve(task, np.inf if at_rest(task.motion) else HORIZON), self.yaw)
 
-    def curve(self, task: PlanningTask) -> PiecewisePolynomial:
-        """Return the trajectory.
+    def curve(self, task: PlanningTask, horizon: float) -> PiecewisePolynomial:
+        """Return the trajectory along as much of the way as is within a horizon (m).
 
         Raises:
             Unreachable: obstacles leave no way.
@@ -74,14 +84,14 @@ class Auto:
         limits, start = limits_of(task, EASE), task.waypoints[0]
         free = Free(task.world, task.radius + self.margin, self.reach, room(task.world, task.radius), limits)
         check_goals(task)
-        way, through = self.way(task, free.box)
+        way, through = self.way(task, free.box, horizon)
         if length(way) < NEAR:
             return settled(start, task.motion, task.waypoints[-1], limits)
-        resting = at_rest(task.motion)
-        found = fitted(free, *((way, through) if resting else begun(way, through, HORIZON)), task.motion)
+        way, through = begun(way, through, horizon)
+        found = fitted(free, way, through, task.motion)
         if found is not None:
             return found
-        return stop_and_go(way, limits) if resting else self.slowed(task, free)
+        return stop_and_go(way, limits) if at_rest(task.motion) else self.slowed(task, free)
 
     def slowed(self, task: PlanningTask, free: Free) -> PiecewisePolynomial:
         """Return the trajectory that leads to where it could stop and on from there; it stops there if it must.
@@ -93,34 +103,57 @@ class Auto:
         turn = stop(stop.duration)
         later = rested(task, turn)
         if np.linalg.norm(turn - start) > NEAR and np.linalg.norm(turn - task.waypoints[1]) > NEAR:
-            way, through = self.way(later, free.box)
+            way, through = self.way(later, free.box, HORIZON)
             way, through = np.concatenate([start[None], way]), np.concatenate([[False], through])
             found = fitted(free, *begun(way, through, HORIZON), task.motion)
             if found is not None:
                 return found
-        return after(stop, self.curve(later))
+        return after(stop, self.curve(later, HORIZON))
 
-    def way(self, task: PlanningTask, box: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def way(self, task: PlanningTask, box: Array, horizon: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the way (n, 3) m through the waypoints, and which of its points they are (n,).
 
-        With a little more than the margin where there is one, else with the margin, else with a quarter of it.
+        With a horizon (m) one with ample room, unless it is a detour; else the one of `tight`.
 
         Raises:
             Unreachable: obstacles leave no way.
         """
-        for share in MARGINS[:-1]:
+        if np.isinf(horizon):
+            return self.tight(task, box, MARGINS[:-1], REPAIRS)
+        try:
+            ample, through = self.ways(task, task.radius + max(AMPLE, self.margin), box, FEW_REPAIRS)
+        except Unreachable:
+            return self.tight(task, box, MARGINS[:1], FEW_REPAIRS)
+        if length(ample) <= DETOUR * length(task.waypoints):
+            return ample, through
+        way, passed = self.tight(task, box, MARGINS[:1], FEW_REPAIRS)
+        return (ample, through) if length(ample) <= DETOUR * length(way) + CURIOSITY else (way, passed)
+
+    def tight(
+        self, task: PlanningTask, box: Array, shares: tuple[float, ...], repairs: int
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the same way with the first of some shares of the margin that there is one with, else with less.
+
+        That is a quarter of it, or a little more than what the map's distances may be too large by: less, and a layer
+        that guards the flight would not let it through.
+
+        Raises:
+            Unreachable: obstacles leave no way.
+        """
+        for share in shares:
             try:
-                return self.ways(task, task.radius + share * self.margin, box)
+                return self.ways(task, task.radius + share * self.margin, box, repairs)
             except Unreachable:
                 continue
-        return self.ways(task, task.radius + MARGINS[-1] * self.margin, box)
+        least = max(MARGINS[-1] * self.margin, min(task.world.optimism + DOUBT, self.margin))
+        return self.ways(task, task.radius + least, box, REPAIRS)
 
-    def ways(self, task: PlanningTask, clearance: float, box: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def ways(self, task: PlanningTask, clearance: float, box: Array, repairs: int) -> tuple[Array, NDArray[np.bool_]]:
         """Return the way with a clearance (m), with few legs, and which of its points are waypoints."""
         points, through = [task.waypoints[:1]], [False]
         for start, goal in pairwise(task.waypoints):
             if self.search == "grid":
-                way = find_way(task.world, start, goal, clearance, box)
+                way = find_way(task.world, start, goal, clearance, box, max(REACH, clearance), repairs)
             else:
                 way = sampled_way(task.world, start, goal, clearance, box, self.search, self.checks)
             way = direct(task.world, way, clearance - CLOSER)

@@ -35,7 +35,9 @@ class Found(NamedTuple):
     """whether a window that is wider would not change that"""
 
 
-def find_way(world: Map, start: Array, goal: Array, clearance: float, box: Array, reach: float = 0.4) -> Array:
+def find_way(
+    world: Map, start: Array, goal: Array, clearance: float, box: Array, reach: float = 0.4, repairs: int = REPAIRS
+) -> Array:
     """Return the way from start to goal, (n, 3) m: taut, with the clearance but where its ends have less.
 
     Args:
@@ -45,6 +47,7 @@ def find_way(world: Map, start: Array, goal: Array, clearance: float, box: Array
         clearance: m, to keep from obstacles
         box: (2, 3) m, lowest and highest corner of the space that may be flown; may be infinite
         reach: m, how far distances are needed
+        repairs: ways over the lattice that may turn out too narrow before it counts as that there is none
 
     Raises:
         Unreachable: an end has no room, or there is no way between them.
@@ -56,12 +59,14 @@ def find_way(world: Map, start: Array, goal: Array, clearance: float, box: Array
     first, last = out[-1], into[0]
     way = np.array([first, last])
     if not np.array_equal(first, last) and world.swept(first, last) < clearance - ROUNDING:
-        way = taut(world, wide_search(world, first, last, clearance, box, reach), clearance - ROUNDING)
+        way = taut(world, wide_search(world, first, last, clearance, box, reach, repairs), clearance - ROUNDING)
     way = np.concatenate([out[:-1], way, into[1:]])
     return np.asarray(way[np.concatenate([[True], (np.diff(way, axis=0) != 0.0).any(axis=1)])])
 
 
-def wide_search(world: Map, first: Array, last: Array, clearance: float, box: Array, reach: float) -> Array:
+def wide_search(
+    world: Map, first: Array, last: Array, clearance: float, box: Array, reach: float, repairs: int
+) -> Array:
     """Return a way (n, 3) m from a window that is wide enough to hold the shortest one.
 
     Raises:
@@ -75,7 +80,7 @@ def wide_search(world: Map, first: Array, last: Array, clearance: float, box: Ar
         part = np.array([np.minimum(first, last) - pad, np.maximum(first, last) + pad]).clip(*box)
         window = look(world, part, clearance, reach)
         coarse = window.cell > 1.01 * SOUND * clearance
-        found = search_window(world, window, first, last, clearance, box)
+        found = search_window(world, window, first, last, clearance, box, repairs)
         if found.way is not None:
             best = found.way
             needed = 0.5 * max(length(best) ** 2 - span**2, 0.0) ** 0.5
@@ -96,12 +101,14 @@ def narrow(clearance: float, cell: float) -> str:
     return f"obstacles enclose it, or leave no gap that is {2 * certain:.3g} m wide"
 
 
-def search_window(world: Map, window: Window, first: Array, last: Array, clearance: float, box: Array) -> Found:
+def search_window(
+    world: Map, window: Window, first: Array, last: Array, clearance: float, box: Array, repairs: int
+) -> Found:
     """Return the way within a window, repaired where the lattice could not tell; blocked places are searched around."""
     start, goal = window.index(first), window.index(last)
     heights = window.values.shape[2]
     closed = np.array_equal(window.box, box)
-    for _ in range(REPAIRS):
+    for _ in range(repairs):
         freest = np.ascontiguousarray(window.values.max(axis=2))
         column = goal // heights
         left = remaining(freest, window.cell, clearance, DOUBT, column)

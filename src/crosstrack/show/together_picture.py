@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from crosstrack.flight.flight import Flight
+from crosstrack.flight.scene import Scene
 from crosstrack.show.extent import extent
 from crosstrack.show.footprint import footprint
 from crosstrack.show.pictures import sheet, write
@@ -25,9 +26,13 @@ def picture_together(flights: Sequence[Flight], path: Path) -> Path:
     Raises:
         OSError: the file cannot be written.
     """
-    figure = sheet(8, 9.5)
-    above, below = figure.subplots(2, 1, height_ratios=(4, 1))
-    from_above(above, flights)
+    drawn = stage(flights[0].plan)
+    box = extent(flights, drawn)
+    across, along = (box[1] - box[0])[:2]
+    tall = 1.2 + 6.6 * min(1.2, max(0.3, along / across))
+    figure = sheet(8, tall + 2)
+    above, below = figure.subplots(2, 1, height_ratios=(tall, 2))
+    from_above(above, flights, drawn, box)
     separation(below, flights)
     arrived = sum(flight.outcome is Outcome.ARRIVED for flight in flights)
     figure.suptitle(f"{arrived} of {len(flights)} arrived")
@@ -35,10 +40,8 @@ def picture_together(flights: Sequence[Flight], path: Path) -> Path:
     return path
 
 
-def from_above(axes: Any, flights: Sequence[Flight]) -> None:
+def from_above(axes: Any, flights: Sequence[Flight], drawn: Scene, box: Array) -> None:
     """Draw the paths with equal axes, starts as rings and goals as squares."""
-    drawn = stage(flights[0].plan)
-    box = extent(flights, drawn)
     for group in groups(drawn):
         image = footprint(group.scene, box, group.footprint).convert("RGBA")
         axes.imshow(image, extent=box[:, :2].T.ravel(), zorder=0.6)
@@ -68,8 +71,8 @@ def separation(axes: Any, flights: Sequence[Flight]) -> None:
         least[: len(own)] = np.minimum(least[: len(own)], own)
     axes.plot(longest.record.time, np.where(np.isfinite(least), least, np.nan), color=PALETTE[0], linewidth=1.2)
     touching = 2 * longest.plan.vehicle.radius
-    axes.axhline(touching, color=INK, linestyle="--", linewidth=1, label=f"two radii, {touching:g} m")
+    axes.axhline(touching, color=INK, linestyle="--", linewidth=1)
+    axes.set_title(f"dashed: two radii, {touching:g} m", fontsize=10)
     axes.set(xlabel="time (s)", ylabel="least separation (m)", ylim=(0, None))
     axes.margins(x=0)
     axes.grid(color=GRID)
-    axes.legend(loc="upper center", frameon=False)
