@@ -109,7 +109,7 @@ def with_optimum(density: float, maps: int) -> Iterator[tuple[World, float | Non
 
 def main() -> None:
     maps = int(sys.argv[1]) if len(sys.argv) > 1 else 50
-    Auto().curve(PlanningTask(ENDS, SPEED, 1.0, ENVELOPE, forest(1000, 0.4), RADIUS))  # compiles
+    Auto().curve(PlanningTask(ENDS, SPEED, 1.0, ENVELOPE, forest(1000, 0.4), RADIUS), np.inf)  # compiles
     for density in (0.1, 0.2, 0.3, 0.4):
         planned(density, maps)
     if find_spec("ompl"):

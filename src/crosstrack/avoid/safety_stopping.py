@@ -157,7 +157,7 @@ def bent(a: Array, b: Array) -> bool:
     """Return whether two velocities (3,) m/s differ in direction by more than a segment may turn."""
     along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     sizes = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
-    return along < TURN * math.sqrt(sizes)
+    return bool(along < TURN * math.sqrt(sizes))
 
 
 def way_to_rest(motion: Motion, command: Array, hold: float, escape: Escape, able: Ability) -> Stop:
