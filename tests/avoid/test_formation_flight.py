@@ -1,6 +1,7 @@
 """A formation flown around a tree: nobody is touched, the shape is given up for it and regained."""
 
 import numpy as np
+import pytest
 
 import crosstrack as ct
 from crosstrack.avoid.formation_shapes import shape_error, slots
@@ -8,6 +9,7 @@ from crosstrack.mission.flying import fly_together
 from crosstrack.types import Outcome
 
 
+@pytest.mark.slow
 def test_a_v_passes_a_tree_and_is_a_v_again() -> None:
     places = slots("v", 3, 2.0)
     vehicles = [

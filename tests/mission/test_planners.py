@@ -51,7 +51,10 @@ def test_a_document_with_a_planner_is_valid_and_loads_equal() -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("planner: minimum_snap", "planner: must be {kind: NAME, ...}; known kinds: minimum_snap, minimum_jerk, file"),
+        (
+            "planner: minimum_snap",
+            "planner: must be {kind: NAME, ...}; known kinds: minimum_snap, minimum_jerk, auto, file",
+        ),
         ("planner: {kind: minimum_snp}", "planner.kind: unknown planner 'minimum_snp'; did you mean 'minimum_snap'?"),
         ("planner: {kind: minimum_snap, guide: -1}", "planner.guide: must be 'auto' or at least 0, found -1"),
         ("planner: {kind: minimum_snap, corridor: 0}", "planner.corridor: must be greater than 0, found 0"),

@@ -160,8 +160,8 @@ def test_a_gap_stays_as_wide_as_it_is(noise: float) -> None:
 def test_what_moved_away_vanishes(sensor: Lidar | DepthCamera) -> None:
     local, random = LocalMap.around([sensor], World()), np.random.default_rng(2)
     back = Box((9, -9, 0), (9.5, 9, 9))
-    for i in range(30):
-        state = at([0, 0, 1.5], 0.1 * i, 0.02 * i)
+    for i in range(70):
+        state = at([0, 0, 1.5], 0.1 * i, 0.02 * min(i, 30))
         shapes = (back, Cylinder((5, 0), 0.4, (0, 3))) if i < 10 else (back, Cylinder((5, 3), 0.4, (0, 3)))
         local.add(sensor.look(World(shapes), state, random), state)
         if i == 9:
