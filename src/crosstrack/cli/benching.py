@@ -31,7 +31,7 @@ def avoid(
 ) -> int:
     """Fly the benchmark of obstacle avoidance, and write and print how each contestant did."""
     asked = tasks(words(families), words(contestants), maps, seed)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
+    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
     folder = made(out or Path("runs") / "bench" / "avoid")
     with named(folder), Store(folder / RESULTS) as store:
         before = kept(asked, store)

@@ -49,7 +49,7 @@ def compare(
     """Fly missions with several trackers, and write and print how each did."""
     words = [word for text in trackers for word in tracker_words(text)]
     chosen = loaded(files, settings, words, winds)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
+    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
     tasks = grid(chosen, words or fitting(chosen), winds or [OWN], seeds)
     folder = made(out or Path("runs") / "compare")
     with named(folder), Store(folder / RESULTS) as store:

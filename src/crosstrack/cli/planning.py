@@ -41,7 +41,7 @@ def plan(file: Path, trajectory: Path | None, folder: Path | None, settings: Seq
             "is required to plan a trajectory: add planner: {kind: minimum_snap}, or --set planner.kind=minimum_snap"
         )
         raise InputError(str(file), [Problem("planner", message)])
-    say("Planning ..." if compiled_before("interior") else "Planning; the first run compiles for up to a minute ...")
+    say("Planning ..." if compiled_before("interior") else "Planning; the first run compiles for some two minutes ...")
     found = certified(mission, mission.build())
     folder = made(folder or Path("runs") / mission.name)
     with named(folder):

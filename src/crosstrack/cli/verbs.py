@@ -55,7 +55,7 @@ SHOWN = {
 def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, png: bool) -> int:
     """Fly a mission and write what it leaves behind."""
     mission = missions.load(file, settings)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for up to a minute ...")
+    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
     plans = mission.plans()
     for remark in notes(mission, plans):
         say(f"note: {remark}")
