@@ -136,9 +136,8 @@ def test_waypoints_passed_are_left_out() -> None:
 
 
 def test_where_it_starts_is_no_waypoint_ahead() -> None:
-    navigator = navigating(Detours())
-    (_, start), goal = navigator.pending
-    navigator.pending = [(1e-12, start), goal]
+    navigator = navigating(Detours(), [START + np.array([1e-12, 0, 0]), GOAL])
+    assert navigator.course.path.project(navigator.waypoints[0], 0.0, 1.0) > 0
     assert navigator.remaining(0.0)[:, 0].tolist() == [20]
 
 

@@ -42,8 +42,8 @@ class Navigator:
     """the present one"""
     began: float = field(init=False)
     """s, when it began"""
-    pending: list[tuple[float, Array]] = field(init=False)
-    """arc length on the course (m) and place (3,) m of every waypoint that may still be ahead, the goal the last"""
+    waypoints: Array = field(init=False)
+    """(n, 3) m, that it leads through, the goal the last"""
     room: float = field(init=False)
     """m, from obstacles, nearer than which the course counts as blocked"""
     planning_time: float = field(init=False)
@@ -57,13 +57,14 @@ class Navigator:
 
     def take(self, course: Course, waypoints: Array, now: float) -> None:
         """Go by a course through waypoints (n, 3) m, from now on."""
-        self.course, self.began, self.mark = course, now, (course.entry, now)
-        self.pending = list(zip(passed_at(course, waypoints), waypoints, strict=True))
+        self.course, self.waypoints = course, waypoints
+        self.began, self.mark = now, (course.entry, now)
 
     def remaining(self, progress: float) -> Array:
         """Return the waypoints (n, 3) m beyond a progress (m), at least the goal."""
-        ahead = [point for s, point in self.pending[:-1] if s > progress + NEAR]
-        return np.array([*ahead, self.pending[-1][1]])
+        ahead = np.array(passed_at(self.course, self.waypoints)) > progress + NEAR
+        ahead[-1] = True
+        return self.waypoints[ahead]
 
     def again(self, state: State, around: Surroundings, memory: Memory, held: bool) -> Course | None:
         """Return a new course where the present one is no good any more, None where it is.
@@ -128,7 +129,7 @@ class Navigator:
 
     def short(self, now: float) -> bool:
         """Return whether the course ends before the goal, and that end is near in time."""
-        trajectory, goal = self.course.trajectory, self.pending[-1][1]
+        trajectory, goal = self.course.trajectory, self.waypoints[-1]
         if trajectory is None or now - self.began < trajectory.duration / 2:
             return False
         return float(np.linalg.norm(trajectory(trajectory.duration) - goal)) > NEAR
