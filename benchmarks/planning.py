@@ -63,7 +63,7 @@ def planned(density: float, maps: int) -> None:
         _, field = timed(partial(world.field, BOUNDS[0], 0.1, (401, 201, 31), 1.0))
         try:
             way, search = timed(partial(find_way, world, ENDS[0], ENDS[1], CLEARANCE, box))
-            curve, whole = timed(partial(Auto().curve, task))
+            curve, whole = timed(partial(Auto().curve, task, np.inf))
         except Unreachable:
             missed += 1
             continue

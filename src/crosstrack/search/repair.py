@@ -12,7 +12,7 @@ ASIDE = 0.004
 ROUNDING = 1e-3
 """m, that a way may be closer than the clearance"""
 PUSHES = 20
-SPLITS = 6
+SPLITS = 4
 AROUND = (0.5, 0.5, 3.0)
 """m, within which points around a place that is too narrow are looked at: where things are upright, at any height"""
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -95,6 +96,10 @@ def chord_loads(waypoints: Array, durations: Array, weights: Array, s: int) -> A
     return np.asarray((weights * durations)[:, None, None] * ends[:, None] * np.diff(waypoints, axis=0)[:, None, :])
 
 
+gauss_legendre = cache(np.polynomial.legendre.leggauss)
+"""nodes and weights on [-1, 1]"""
+
+
 def quadrature(knots: Array, others: Array, degree: int) -> Iterator[tuple[np.ndarray, Array, Array]]:
     """Yield segment, time and weight, each (intervals,), of Gauss-Legendre nodes that integrate a degree exactly.
 
@@ -104,6 +109,6 @@ def quadrature(knots: Array, others: Array, degree: int) -> Iterator[tuple[np.nd
     edges = np.union1d(knots, inside)
     low, width = edges[:-1], np.diff(edges)
     segment = np.clip(np.searchsorted(knots, low + width / 2, side="right") - 1, 0, len(knots) - 2)
-    nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
+    nodes, weights = gauss_legendre(degree // 2 + 1)
     for node, weight in zip(nodes, weights, strict=True):
         yield segment, low + width * (1 + node) / 2, width * weight / 2
