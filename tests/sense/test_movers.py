@@ -185,13 +185,14 @@ def test_a_point_is_a_surprise_only_where_every_ray_around_it_went_past() -> Non
     before = view_of(scan_of(World((tree,)), then, directions), then, directions)
     new = Sphere((4.0, -2.5, 2.0), 0.5)
     after = scan_of(World((tree, new)), now, directions)
-    points = surprises(after, now, directions, [before], 0.2)
     hits = now + after.ranges[np.isfinite(after.ranges), None] * directions[np.isfinite(after.ranges)]
+    points = surprises(hits, [before], 0.2)
     np.testing.assert_array_less(World((new,)).distance(points), 1e-3)
     on_new = World((new,)).distance(hits) < 1e-3
     assert len(points) > 0.95 * on_new.sum() > 50
     again = scan_of(World((tree,)), now, directions)
-    assert not len(surprises(again, now, directions, [before], 0.2))
+    seen = np.isfinite(again.ranges)
+    assert not len(surprises(now + again.ranges[seen, None] * directions[seen], [before], 0.2))
 
 
 def test_nothing_is_a_surprise_where_nothing_was_looked_at() -> None:

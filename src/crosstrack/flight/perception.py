@@ -1,5 +1,6 @@
 """What a vehicle knows of what is around it: what it was told, and what it has seen since."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,9 +8,10 @@ import numpy as np
 from crosstrack.flight.observer import NOTHING
 from crosstrack.flight.plan import Plan
 from crosstrack.protocols import Map, Surroundings
+from crosstrack.sense import pose
 from crosstrack.sense.local_map import LocalMap
 from crosstrack.sense.movers import Movers
-from crosstrack.sense.pose import axes
+from crosstrack.sense.pose import axes, turned_all
 from crosstrack.types import ALONE, Array, Others, Scan, State
 from crosstrack.world.together import Together
 
@@ -23,7 +25,7 @@ class Perception:
         self.index, self.count = index, count
         self.traffic = scenario.traffic if plan.warned else None
         self.local = LocalMap.around(scenario.sensors, told) if scenario.sensors else None
-        self.known: Map = told if self.local is None else Together((told, self.local))
+        self.known: Map = told if self.local is None else with_seen(told, self.local)
         self.movers = Movers(told)
         self.tracks = self.movers.start()
 
@@ -41,6 +43,12 @@ class Perception:
         return Surroundings(self.known, joined(vehicles, moving), scans, self.index, self.count)
 
 
+def with_seen(told: Map, seen: Map) -> Map:
+    """Return what was told of the world with what is seen; the latter has ground and bounds of the former."""
+    nothing_told = math.isinf(told.distance(np.zeros(3)))
+    return seen if nothing_told else Together((told, seen))
+
+
 def joined(some: Others, more: Others) -> Others:
     """Return all that moves, of two sources."""
     if more is ALONE:
@@ -55,9 +63,8 @@ def joined(some: Others, more: Others) -> Others:
 
 def hits(scans: Sequence[Scan], state: State) -> Array:
     """Return where the rays of scans ended, (n, 3) m, world, for a state as estimated."""
-    turn, clouds = axes(state.attitude), [NOTHING]
+    turned, clouds = axes(state.attitude), [NOTHING]
     for scan in scans:
-        hit = np.isfinite(scan.ranges)
-        body = scan.origin + scan.ranges[hit, None] * scan.directions[hit]
-        clouds.append(state.position + body @ turn.T)
+        origin, directions = state.position + turned @ scan.origin, turned_all(turned, scan.directions)
+        clouds.append(pose.hits(scan.ranges, directions, origin, -math.inf))
     return np.concatenate(clouds)

@@ -2,7 +2,8 @@
 
 Three levels: coarse cubes of 4 x 4 x 4 blocks of 4 x 4 x 4 voxels. The coarse cubes of the window form a ring buffer
 along each axis, so that moving the window moves nothing; blocks are taken from a pool as surfaces are seen and given
-back when they empty or leave. The points of a block lie side by side.
+back when they empty or leave. The points of all blocks lie side by side, without gaps, so that what is done with every
+point reads memory in order; a block knows which are its own.
 
 Functions that are called for every point take numbers, not arrays: numba counts the references to arrays passed on, and
 that takes longer than what is done with them.
@@ -18,13 +19,16 @@ from crosstrack.types import Array
 
 Integers = NDArray[np.int64]
 Cell = tuple[int, int, int]
-Frame = tuple[int, int, int, int]
+Frame = tuple[int, int, int, int, int, int, int]
+"""lowest coarse cube of the window, how many there are along each axis, and where the ring begins along each"""
 
 VOXELS = 64
 """in a block, and blocks in a coarse cube"""
+USUAL = 10
+"""points of a block, for which there is room"""
 SIDE = 16
 """voxels along the edge of a coarse cube"""
-MOST_WEIGHT = 4.0
+MOST_HITS = 4
 """hits that a point is the mean of, at most: later ones count for more, so that it stays on the side last seen"""
 MOST_TRUST = 3
 """scans in a row that must see through a point before it goes"""
@@ -38,7 +42,7 @@ class Blocks(NamedTuple):
     window: Integers
     """(4,) lowest coarse cube of the window, and how many there are along each axis"""
     pool: Integers
-    """(2,) blocks that were ever taken, and the first of those given back or -1"""
+    """(3,) blocks that were ever taken, the first of those given back or -1, and how many points there are"""
     parts: NDArray[np.int32]
     """(coarse cubes, 64) the block in each part of a coarse cube, -1 for none"""
     active: NDArray[np.int32]
@@ -49,52 +53,54 @@ class Blocks(NamedTuple):
     """(blocks,) where `parts` holds each; -1 - (the next one given back or -1) for one given back"""
     filled: NDArray[np.int32]
     """(blocks,) points in each"""
-    points: NDArray[np.float32]
-    """(blocks, 3, 64) m, world"""
+    members: NDArray[np.int32]
+    """(blocks, 64) the points of each, as rows of `points`"""
     voxel: NDArray[np.int8]
-    """(blocks, 64) which voxel of the block each point lies in"""
+    """(blocks, 64) which voxel of the block each of its points lies in"""
     slot: NDArray[np.int8]
-    """(blocks, 64) which point lies in each voxel, -1 for none"""
-    weight: NDArray[np.float32]
-    """(blocks, 64) hits that each point is the mean of"""
-    trust: NDArray[np.int8]
-    """(blocks, 64) scans that must see through each point before it goes"""
-    seen: NDArray[np.float32]
-    """(blocks, 64) s, when each was last hit or seen again"""
+    """(blocks, 64) which of its points lies in each voxel, -1 for none"""
+    points: NDArray[np.float32]
+    """(points, 4) m, world, and s, when each was last hit or seen again"""
+    worth: NDArray[np.int8]
+    """(points, 2) hits that each is the mean of, and scans that must see through it before it goes"""
+    owner: NDArray[np.int32]
+    """(points,) 64 times the block of each, and which of its points it is"""
 
 
 def empty(cell: float, cubes: int, blocks: int) -> Blocks:
     """Return no points in a window of so many coarse cubes along each axis, with room for so many blocks."""
+    points = blocks * USUAL
     return Blocks(
         cell=cell,
         window=np.array([0, 0, 0, cubes]),
-        pool=np.array([0, -1]),
+        pool=np.array([0, -1, 0]),
         parts=np.full((cubes**3, VOXELS), -1, dtype=np.int32),
         active=np.zeros(cubes**3, dtype=np.int32),
         place=np.zeros((blocks, 3), dtype=np.int64),
         home=np.full(blocks, -1, dtype=np.int64),
         filled=np.zeros(blocks, dtype=np.int32),
-        points=np.zeros((blocks, 3, VOXELS), dtype=np.float32),
+        members=np.zeros((blocks, VOXELS), dtype=np.int32),
         voxel=np.zeros((blocks, VOXELS), dtype=np.int8),
         slot=np.full((blocks, VOXELS), -1, dtype=np.int8),
-        weight=np.zeros((blocks, VOXELS), dtype=np.float32),
-        trust=np.zeros((blocks, VOXELS), dtype=np.int8),
-        seen=np.zeros((blocks, VOXELS), dtype=np.float32),
+        points=np.zeros((points, 4), dtype=np.float32),
+        worth=np.zeros((points, 2), dtype=np.int8),
+        owner=np.zeros(points, dtype=np.int32),
     )
 
 
 def grown(blocks: Blocks) -> Blocks:
-    """Return the same with room for twice as many blocks."""
+    """Return the same with room for twice as many blocks and points."""
     more = empty(blocks.cell, 1, len(blocks.filled))
-    names = ("place", "home", "filled", "points", "voxel", "slot", "weight", "trust", "seen")
+    names = ("place", "home", "filled", "members", "voxel", "slot", "points", "worth", "owner")
     joined = {name: np.concatenate([getattr(blocks, name), getattr(more, name)]) for name in names}
     return Blocks(**{**blocks._asdict(), **joined})
 
 
 @compiled
 def frame(blocks: Blocks) -> Frame:
-    """Return the lowest coarse cube of the window, and how many there are along each axis."""
-    return int(blocks.window[0]), int(blocks.window[1]), int(blocks.window[2]), int(blocks.window[3])
+    """Return where the window is, with what would else be divided for every point."""
+    i, j, k, n = int(blocks.window[0]), int(blocks.window[1]), int(blocks.window[2]), int(blocks.window[3])
+    return i, j, k, n, i % n, j % n, k % n
 
 
 @compiled
@@ -104,7 +110,8 @@ def coarse(window: Frame, i: int, j: int, k: int) -> int:
     a, b, c = i - window[0], j - window[1], k - window[2]
     if min(a, b, c) < 0 or max(a, b, c) >= n:
         return -1
-    return ((i % n) * n + j % n) * n + k % n
+    a, b, c = a + window[4], b + window[5], c + window[6]
+    return ((a - n if a >= n else a) * n + (b - n if b >= n else b)) * n + (c - n if c >= n else c)
 
 
 @compiled
@@ -135,39 +142,51 @@ def take(blocks: Blocks, cube: int, part: int, place: Cell) -> int:
 @compiled
 def give_back(blocks: Blocks, b: int) -> None:
     """Empty a block and give it back to the pool."""
+    for p in range(blocks.filled[b] - 1, -1, -1):
+        remove(blocks, b, p)
     cube, part = blocks.home[b] // VOXELS, blocks.home[b] % VOXELS
     blocks.parts[cube, part] = -1
     blocks.active[cube] -= 1
-    for v in range(VOXELS):
-        blocks.slot[b, v] = -1
-    blocks.filled[b] = 0
     blocks.home[b] = -1 - blocks.pool[1]
     blocks.pool[1] = b
 
 
 @compiled
 def remove(blocks: Blocks, b: int, p: int) -> None:
-    """Take a point out of a block; the last takes its place."""
-    last = blocks.filled[b] - 1
-    blocks.slot[b, blocks.voxel[b, p]] = -1
-    if p != last:
-        for axis in range(3):
-            blocks.points[b, axis, p] = blocks.points[b, axis, last]
-        blocks.voxel[b, p] = blocks.voxel[b, last]
-        blocks.weight[b, p], blocks.trust[b, p] = blocks.weight[b, last], blocks.trust[b, last]
-        blocks.seen[b, p] = blocks.seen[b, last]
-        blocks.slot[b, blocks.voxel[b, p]] = p
-    blocks.filled[b] = last
+    """Take a point out of a block; the last of the block takes its place there, and the last of all its row."""
+    members, voxel, slot, points, worth, owner = (
+        blocks.members,
+        blocks.voxel,
+        blocks.slot,
+        blocks.points,
+        blocks.worth,
+        blocks.owner,
+    )
+    row, final, last = members[b, p], blocks.filled[b] - 1, blocks.pool[2] - 1
+    slot[b, voxel[b, p]] = -1
+    if p != final:
+        members[b, p], voxel[b, p] = members[b, final], voxel[b, final]
+        slot[b, voxel[b, p]] = p
+        owner[members[b, p]] = b * VOXELS + p
+    if row != last:
+        for k in range(4):
+            points[row, k] = points[last, k]
+        worth[row, 0], worth[row, 1], owner[row] = worth[last, 0], worth[last, 1], owner[last]
+        members[owner[row] // VOXELS, owner[row] % VOXELS] = row
+    blocks.filled[b], blocks.pool[2] = final, last
 
 
 @compiled
 def start_point(blocks: Blocks, b: int, voxel: int) -> int:
-    """Return a new point of a block, for a voxel that has none; it has no weight yet."""
-    p = int(blocks.filled[b])
-    blocks.filled[b] = p + 1
-    blocks.voxel[b, p], blocks.slot[b, voxel] = voxel, p
-    blocks.weight[b, p], blocks.trust[b, p] = 0.0, 0
-    return p
+    """Return the row of a new point of a block, for a voxel that has none; it is the mean of no hits yet."""
+    p, row = int(blocks.filled[b]), int(blocks.pool[2])
+    blocks.filled[b], blocks.pool[2] = p + 1, row + 1
+    blocks.members[b, p], blocks.voxel[b, p], blocks.slot[b, voxel] = row, voxel, p
+    blocks.owner[row] = b * VOXELS + p
+    for k in range(3):
+        blocks.points[row, k] = 0.0
+    blocks.worth[row, 0], blocks.worth[row, 1] = 0, 0
+    return row
 
 
 @compiled
@@ -187,16 +206,6 @@ def move(blocks: Blocks, x: float, y: float, z: float) -> None:
                 give_back(blocks, b)
 
 
-@compiled
 def gathered(blocks: Blocks) -> Array:
     """Return all points (n, 3), m."""
-    total = 0
-    for b in range(blocks.pool[0]):
-        total += blocks.filled[b]
-    out, at = np.empty((total, 3)), 0
-    for b in range(blocks.pool[0]):
-        for p in range(blocks.filled[b]):
-            for axis in range(3):
-                out[at, axis] = blocks.points[b, axis, p]
-            at += 1
-    return out
+    return blocks.points[: blocks.pool[2], :3].astype(float)

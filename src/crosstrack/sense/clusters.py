@@ -35,16 +35,14 @@ class Blob:
 
 def blobs_of(points: Array, origin: Array) -> list[Blob]:
     """Return the things that points (n, 3) m are seen of, from an origin (3,) m."""
-    if len(points) < FEWEST:
-        return []
     return [blob_of(group, origin) for group in groups_of(points) if len(group) >= FEWEST]
 
 
 def groups_of(points: Array) -> list[Array]:
     """Return the points (n, 3) m, or some hundreds of them, in groups that hang together."""
-    points = points[:: math.ceil(len(points) / MOST)]
+    points = points[:: max(math.ceil(len(points) / MOST), 1)]
     group = _labels(points, REACH)
-    return [points[group == g] for g in range(int(group.max()) + 1)]
+    return [points[group == g] for g in range(int(group.max(initial=-1)) + 1)]
 
 
 @compiled

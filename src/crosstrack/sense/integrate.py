@@ -1,9 +1,4 @@
-"""What one scan changes in the points that are held.
-
-Hits on obstacles become points. A point goes when rays went through it: the ray nearest to it measured more than it is
-away, by a margin, and so did the eight around that ray. Where a surface is seen at a shallow angle, or ends, one of
-these is shorter, so that it is not worn away; the ground is no such surface.
-"""
+"""What a scan says of obstacles: how far its rays went, which of them hit one, and the points that these become."""
 
 import math
 
@@ -11,23 +6,17 @@ import numpy as np
 
 from crosstrack.compiled import compiled
 from crosstrack.sense.blocks import (
+    MOST_HITS,
     MOST_TRUST,
-    MOST_WEIGHT,
     Blocks,
     coarse,
     fourth,
     frame,
-    give_back,
-    remove,
     start_point,
     take,
 )
-from crosstrack.sense.pose import entries, turned_back, turned_to
-from crosstrack.sense.range_image import RangeImage, texel
+from crosstrack.sense.pose import entries, turned_to
 from crosstrack.types import Array
-
-BESIDE = 0.6
-"""voxels, how far from a point a ray may pass that goes through it"""
 
 
 @compiled
@@ -59,65 +48,10 @@ def off_ground(ranges: Array, directions: Array, turned: Array, height: float, t
 
 
 @compiled
-def clear(
-    blocks: Blocks,
-    image: RangeImage,
-    free: Array,
-    shield: Array,
-    turned: Array,
-    origin: Array,
-    when: tuple[float, float],
-    margin: float,
-    reach: float,
-) -> None:
-    """Take away the points that a scan has seen through often enough, or long after they were last seen.
-
-    Args:
-        blocks: that hold the points
-        image: of the scan's rays
-        free: (rays,) m, how far each has seen space to be free
-        shield: (rays,) m, the least range to an obstacle of each and those around it
-        turned: (3, 3) body to world
-        origin: (3,) m, world, of the sensor
-        when: s, of the scan, and before which a point must have been seen last to go where rays pass by it only closely
-        margin: m, beyond a point that a ray must have gone
-        reach: m, of the sensor
-    """
-    aside, far = (BESIDE * blocks.cell) ** 2, (reach + 4.0 * blocks.cell) ** 2
-    turn, start, scale = entries(turned), image.start, image.scale
-    around, high = image.rays.shape
-    points, count, seen, trust, to = blocks.points, blocks.filled, blocks.seen, blocks.trust, image.directions
-    for b in range(blocks.pool[0]):
-        for p in range(count[b] - 1, -1, -1):
-            x, y, z = points[b, 0, p] - origin[0], points[b, 1, p] - origin[1], points[b, 2, p] - origin[2]
-            square = x * x + y * y + z * z
-            if square > far:
-                break
-            bx, by, bz = turned_back(turn, x, y, z)
-            i, j = texel(bx, by, bz, start, scale)
-            ray = image.rays[i % around, j] if 0 <= j < high else -1
-            r = math.sqrt(square)
-            if ray < 0 or free[ray] <= r - margin:
-                continue
-            if free[ray] < r + margin:
-                seen[b, p] = when[0]
-            elif shield[ray] >= r + margin:
-                along = bx * to[ray, 0] + by * to[ray, 1] + bz * to[ray, 2]
-                if square - along * along <= aside:
-                    trust[b, p] -= 1
-                elif seen[b, p] < when[1]:
-                    trust[b, p] = 0
-                if trust[b, p] <= 0:
-                    remove(blocks, b, p)
-                    if count[b] == 0:
-                        give_back(blocks, b)
-
-
-@compiled
 def add_hits(
     blocks: Blocks, ranges: Array, directions: Array, turned: Array, origin: Array, time: float, first: int
 ) -> int:
-    """Add the hits of a scan from ray `first` on; return the ray at which the pool was empty, their number at the end.
+    """Add the hits of a scan from ray `first` on; return the ray for which there was no room, their number at the end.
 
     Args:
         blocks: that hold the points
@@ -128,7 +62,8 @@ def add_hits(
         time: s
         first: where to begin
     """
-    turn, cell, window, index, slot = entries(turned), blocks.cell, frame(blocks), blocks.parts, blocks.slot
+    turn, cell, window, index = entries(turned), blocks.cell, frame(blocks), blocks.parts
+    slot, members, worth, points = blocks.slot, blocks.members, blocks.worth, blocks.points
     for ray in range(first, len(ranges)):
         r = ranges[ray]
         if r == math.inf:
@@ -146,13 +81,13 @@ def add_hits(
             if b < 0:
                 return ray
         p = slot[b, voxel]
-        if p < 0:
-            p = start_point(blocks, b, voxel)
-        weight = min(blocks.weight[b, p] + 1.0, MOST_WEIGHT)
-        blocks.weight[b, p] = weight
-        blocks.points[b, 0, p] += (x - blocks.points[b, 0, p]) / weight
-        blocks.points[b, 1, p] += (y - blocks.points[b, 1, p]) / weight
-        blocks.points[b, 2, p] += (z - blocks.points[b, 2, p]) / weight
-        blocks.trust[b, p] = min(blocks.trust[b, p] + 1, MOST_TRUST)
-        blocks.seen[b, p] = time
+        if p < 0 and blocks.pool[2] == len(points):
+            return ray
+        row = members[b, p] if p >= 0 else start_point(blocks, b, voxel)
+        hits = min(worth[row, 0] + 1, MOST_HITS)
+        worth[row, 0], worth[row, 1] = hits, min(worth[row, 1] + 1, MOST_TRUST)
+        points[row, 0] += (x - points[row, 0]) / hits
+        points[row, 1] += (y - points[row, 1]) / hits
+        points[row, 2] += (z - points[row, 2]) / hits
+        points[row, 3] = time
     return len(ranges)

@@ -7,14 +7,17 @@ import numpy as np
 
 from crosstrack.protocols import Field, Map, Sensor
 from crosstrack.sense import nearest_point
+from crosstrack.sense.beyond import assume, beyond
 from crosstrack.sense.blocks import SIDE, empty, gathered, grown, move
-from crosstrack.sense.integrate import add_hits, clear, free_lengths, off_ground
+from crosstrack.sense.clearing import clear
+from crosstrack.sense.integrate import add_hits, free_lengths, off_ground
 from crosstrack.sense.point_field import lattice_distances
-from crosstrack.sense.pose import axes
+from crosstrack.sense.pose import axes, turned_all
 from crosstrack.sense.range_image import RangeImage, image_of, least_around
+from crosstrack.sense.ranging import Ranging
 from crosstrack.types import Array, Scan, State
 
-FIRST_BLOCKS = 1024
+FIRST_BLOCKS = 32768
 MOST_IMAGES = 8
 WIDEST = 64.0
 """m, of a window: what sensors see beyond half of that is not kept"""
@@ -53,7 +56,11 @@ class LocalMap:
     @classmethod
     def around(cls, sensors: Sequence[Sensor], told: Map) -> "LocalMap":
         """Return the empty map for some sensors: as wide as they see to both sides, at most `WIDEST`."""
-        return cls(min(2.0 * max(sensor.range for sensor in sensors) + 2.0, WIDEST), CELL, told)
+        local = cls(min(2.0 * max(sensor.range for sensor in sensors) + 2.0, WIDEST), CELL, told)
+        for sensor in sensors:
+            if isinstance(sensor, Ranging):  # before the flight: it takes longer than a decision may
+                local._image(sensor.directions, sensor.rows)
+        return local
 
     @property
     def ground(self) -> float:
@@ -84,37 +91,41 @@ class LocalMap:
         turned = axes(state.attitude)
         origin = state.position + turned @ scan.origin
         move(self._blocks, *state.position.tolist())
-        image = self._image(scan)
+        image = self._image(scan.directions, scan.rows)
         free = free_lengths(scan.ranges, scan.max_range)
         height = float(origin[2]) - self.ground
         hits = off_ground(scan.ranges, scan.directions, turned, height, GROUND_TOLERANCE)
         when, margin = (scan.time, scan.time - MEMORY), MARGIN * self.cell
         shield = least_around(hits, image.rows)
-        clear(self._blocks, image, free, shield, turned, origin, when, margin, scan.max_range)
+        clear(self._blocks, image, free, shield, turned, origin, when, margin)
         hits = self._unknown(hits, scan, turned, origin)
         done = 0
         while (done := add_hits(self._blocks, hits, scan.directions, turned, origin, scan.time, done)) < len(hits):
             self._blocks = grown(self._blocks)
+        if image.rows > 1:
+            points = beyond(hits, scan.directions, turned, origin, image.rows, self.ground + GROUND_TOLERANCE)
+            done = 0
+            while (done := assume(self._blocks, points, scan.time, done)) < len(points):
+                self._blocks = grown(self._blocks)
 
-    def _image(self, scan: Scan) -> RangeImage:
-        """Return the picture of a scan's rays, kept for as long as scans come with the same rays."""
-        key = id(scan.directions)
+    def _image(self, directions: Array, rows: int) -> RangeImage:
+        """Return the picture of rays (n, 3) in the body, kept for as long as scans come with the same ones."""
+        key = id(directions)
         image = self._images.get(key)
-        if image is None or image.directions is not scan.directions:
+        if image is None or image.directions is not directions:
             if len(self._images) >= MOST_IMAGES:
                 self._images.clear()
-            image = self._images[key] = image_of(scan.directions, scan.rows)
+            image = self._images[key] = image_of(directions, rows)
         return image
 
     def _unknown(self, hits: Array, scan: Scan, turned: Array, origin: Array) -> Array:
         """Return the ranges with inf for those that hit what is known: as far as expected, or near it."""
         if float(self.told.distance(origin)) > scan.max_range:
             return hits
-        expected = self.told.cast(origin, scan.directions @ turned.T, scan.max_range)
-        left = np.flatnonzero((hits < np.inf) & (hits < expected - KNOWN))
-        out = np.full(len(hits), np.inf)
-        ends = origin + hits[left, None] * (scan.directions[left] @ turned.T)
-        left = left[self.told.distance(ends) > KNOWN]
+        directions, out = turned_all(turned, scan.directions), np.full(len(hits), np.inf)
+        left = np.flatnonzero(hits < np.inf)
+        left = left[hits[left] < self.told.cast(origin, directions[left], scan.max_range) - KNOWN]
+        left = left[self.told.distance(origin + hits[left, None] * directions[left]) > KNOWN]
         out[left] = hits[left]
         return out
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from crosstrack.protocols import Map
 from crosstrack.sense.clusters import Blob, blobs_of
-from crosstrack.sense.pose import axes
+from crosstrack.sense.pose import axes, hits, turned_all
 from crosstrack.sense.views import View, surprises, view_of
 from crosstrack.types import ALONE, Array, Others, Scan, State
 
@@ -89,21 +89,17 @@ class Movers:
 
     def step(self, memory: Memory, scan: Scan, state: State) -> Memory:
         """Take in a scan that was made in a state."""
-        turn = axes(state.attitude)
-        origin, directions = state.position + turn @ scan.origin, scan.directions @ turn.T
+        turned = axes(state.attitude)
+        origin, directions = state.position + turned @ scan.origin, turned_all(turned, scan.directions)
         views = tuple(view for view in memory.views if scan.time - view.time <= OLDEST)
-        points = surprises(scan, origin, directions, compared(views, scan.time), MARGIN)
-        blobs = blobs_of(self.unexplained(points), origin)
+        points = hits(scan.ranges, directions, origin, self.told.ground + MAPPED)
+        points = surprises(points, compared(views, scan.time), MARGIN)
+        blobs = blobs_of(points[self.told.distance(points) > MAPPED], origin)
         tracks = followed([ahead(track, scan.time) for track in memory.tracks], blobs, scan.time)
         view = view_of(scan, origin, directions)
         if all(scan.time - old.time >= SPACING for old in views if old.beams == view.beams):
             views = (*views, view)
         return Memory(views, tracks)
-
-    def unexplained(self, points: Array) -> Array:
-        """Return those of the points (n, 3) m that belong neither to the ground nor to an obstacle that is known."""
-        points = points[points[:, 2] > self.told.ground + MAPPED]
-        return points[self.told.distance(points) > MAPPED]
 
     def others(self, memory: Memory, time: float) -> Others:
         """Return what moves at a time (s) soon after the last scan, as balls that hold it."""

@@ -62,11 +62,12 @@ def square_to_point(segment: Segment, px: float, py: float, pz: float) -> float:
 def nearest(blocks: Blocks, around: Around, segment: Segment, best: Found) -> Found:
     """Return the point nearest to a segment if it is nearer than the best so far."""
     cubes, bounds = around
-    window, index, active, count, points = frame(blocks), blocks.parts, blocks.active, blocks.filled, blocks.points
+    window, index, active, count = frame(blocks), blocks.parts, blocks.active, blocks.filled
+    members, points = blocks.members, blocks.points
     edge, half = blocks.cell * SIDE, segment[6]
     i, j, k = math.floor(segment[0] / edge), math.floor(segment[1] / edge), math.floor(segment[2] / edge)
     least, far = best[0] * best[0], best[0] + half
-    block, point = -1, -1
+    found = -1
     for c in range(len(bounds)):
         if bounds[c] * edge >= far:
             break
@@ -74,21 +75,26 @@ def nearest(blocks: Blocks, around: Around, segment: Segment, best: Found) -> Fo
         cube = coarse(window, ci, cj, ck)
         if cube < 0 or active[cube] == 0 or square_to_cube(segment, ci, cj, ck, edge) >= far * far:
             continue
+        left = active[cube]
         for part in range(VOXELS):
+            if left == 0:
+                break
             b = index[cube, part]
             if b < 0:
                 continue
+            left -= 1
             bi, bj, bk = 4 * ci + (part >> 4), 4 * cj + ((part >> 2) & 3), 4 * ck + (part & 3)
             if square_to_cube(segment, bi, bj, bk, 0.25 * edge) >= far * far:
                 continue
             for p in range(count[b]):
-                square = square_to_point(segment, points[b, 0, p], points[b, 1, p], points[b, 2, p])
+                row = members[b, p]
+                square = square_to_point(segment, points[row, 0], points[row, 1], points[row, 2])
                 if square < least:
-                    least, block, point = square, b, p
+                    least, found = square, row
             far = math.sqrt(least) + half
-    if block < 0:
+    if found < 0:
         return best
-    at = float(points[block, 0, point]), float(points[block, 1, point]), float(points[block, 2, point])
+    at = float(points[found, 0]), float(points[found, 1]), float(points[found, 2])
     return math.sqrt(least), at[0], at[1], at[2]
 
 

@@ -44,6 +44,35 @@ def turned_back(turn: Turn, x: float, y: float, z: float) -> Triple:
     return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
+@compiled
+def turned_all(turned: Array, directions: Array) -> Array:
+    """Return vectors (n, 3) of the body in the world, by the matrix of `axes`."""
+    turn, out = entries(turned), np.empty((len(directions), 3))
+    for i in range(len(directions)):
+        out[i, 0], out[i, 1], out[i, 2] = turned_to(turn, directions[i, 0], directions[i, 1], directions[i, 2])
+    return out
+
+
+@compiled
+def hits(ranges: Array, directions: Array, origin: Array, above: float) -> Array:
+    """Return where rays hit something above a height, (n, 3) m.
+
+    Args:
+        ranges: (rays,) m; inf where nothing was hit, NaN where nothing was measured
+        directions: (rays, 3) world
+        origin: (3,) m, world
+        above: m, -inf for all
+    """
+    out, count = np.empty((len(ranges), 3)), 0
+    for i in range(len(ranges)):
+        r = ranges[i]
+        if r < math.inf and origin[2] + r * directions[i, 2] > above:
+            for k in range(3):
+                out[count, k] = origin[k] + r * directions[i, k]
+            count += 1
+    return out[:count].copy()
+
+
 def mounting(yaw: float, pitch: float) -> Array:
     """Return the matrix (3, 3) that turns vectors of a sensor into the body: pitched (rad, nose down), then yawed."""
     a, b, c, d = math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
+from crosstrack.sense.pose import Turn
 from crosstrack.types import Array
 
 MOST_TEXELS = 4096
@@ -15,6 +16,13 @@ FINER = 3
 """texels across the usual angle between rays"""
 SPREADS = 3
 """texels to each side that a ray answers for where no other does"""
+Singles = NDArray[np.float32]
+ZERO, TINY = np.float32(0.0), np.float32(1e-30)
+QUARTER, HALF = np.float32(0.5 * math.pi), np.float32(math.pi)
+"""rad, of a turn"""
+A1, A3, A5 = np.float32(0.9998660), np.float32(-0.3302995), np.float32(0.1801410)
+A7, A9 = np.float32(-0.0851330), np.float32(0.0208351)
+"""of the polynomial of the arctangent"""
 
 
 class RangeImage(NamedTuple):
@@ -23,7 +31,7 @@ class RangeImage(NamedTuple):
     directions: Array
     """(rays, 3) unit vectors, body"""
     rays: NDArray[np.int32]
-    """(around, up) the ray nearest to each texel, -1 for none"""
+    """(up, around) the ray nearest to each texel, -1 for none"""
     start: tuple[float, float]
     """rad, bearing and elevation where the first texel begins"""
     scale: tuple[float, float]
@@ -42,8 +50,8 @@ def image_of(directions: Array, rows: int) -> RangeImage:
     high = int(np.clip(round(FINER * np.pi / above), 4, MOST_TEXELS // 2))
     scale = (around / (2 * math.pi), high / math.pi)
     start = (_before(bearing[0], -math.pi, scale[0]), _before(up[0], -math.pi / 2, scale[1]))
-    rays = np.full((around, high + 2), -1, dtype=np.int32)
-    rays[_texel(bearing, start[0], scale[0]) % around, _texel(up, start[1], scale[1])] = np.arange(len(directions))
+    rays = np.full((high + 2, around), -1, dtype=np.int32)
+    rays[_texel(up, start[1], scale[1]), _texel(bearing, start[0], scale[0]) % around] = np.arange(len(directions))
     return RangeImage(np.ascontiguousarray(directions), _spread(rays), start, scale, rows)
 
 
@@ -66,38 +74,66 @@ def _texel(angle: Array, start: float, scale: float) -> NDArray[np.int64]:
 def _spread(rays: NDArray[np.int32]) -> NDArray[np.int32]:
     """Fill texels without a ray from those beside them, all around, and above and below."""
     for _ in range(SPREADS):
-        for axis, shift in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        for axis, shift in ((1, 1), (1, -1), (0, 1), (0, -1)):
             beside = np.roll(rays, shift, axis=axis)
-            if axis == 1:
-                beside[:, 0 if shift > 0 else -1] = -1
+            if axis == 0:
+                beside[0 if shift > 0 else -1] = -1
             rays = np.where(rays < 0, beside, rays)
     return np.ascontiguousarray(rays)
 
 
 @compiled
-def arctangent(y: float, x: float) -> float:
-    """Return the angle of a plane vector within 2e-5 rad, five times as fast as the library.
+def sights(image: RangeImage, turn: Turn, count: int, x: Singles, y: Singles, z: Singles) -> None:
+    """Replace the first `count` of some vectors (n,) m in the world by where the picture has them, and their length, m.
 
-    Source: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 4.4.47.
+    All is single precision without branches, so that the compiler does eight at once. Angles are right within 2e-5 rad.
+
+    Args:
+        image: of rays
+        turn: from the body to the world
+        count: how many of the vectors
+        x: (n,) m; texels from the left edge of the picture, in the end
+        y: (n,) m; texels from its lower edge, in the end, negative below it
+        z: (n,) m; the length, in the end
     """
-    small, large = min(abs(x), abs(y)), max(abs(x), abs(y))
-    if large == 0.0:
-        return 0.0
-    a = small / large
-    s = a * a
-    angle = a * (0.9998660 + s * (-0.3302995 + s * (0.1801410 + s * (-0.0851330 + s * 0.0208351))))
-    if abs(y) > abs(x):
-        angle = 0.5 * math.pi - angle
-    if x < 0.0:
-        angle = math.pi - angle
-    return -angle if y < 0.0 else angle
+    start, low = np.float32(image.start[0]), np.float32(image.start[1])
+    across, upward = np.float32(image.scale[0]), np.float32(image.scale[1])
+    a, b, c = np.float32(turn[0]), np.float32(turn[1]), np.float32(turn[2])
+    d, e, f = np.float32(turn[3]), np.float32(turn[4]), np.float32(turn[5])
+    g, h, i = np.float32(turn[6]), np.float32(turn[7]), np.float32(turn[8])
+    for k in range(count):
+        ahead, left = a * x[k] + d * y[k] + g * z[k], b * x[k] + e * y[k] + h * z[k]
+        above = c * x[k] + f * y[k] + i * z[k]
+        square = ahead * ahead + left * left
+        flat = np.sqrt(square)
+        x[k] = (arctangent(left, ahead) - start) * across
+        y[k] = (arctangent(above, flat) - low) * upward
+        z[k] = np.sqrt(square + above * above)
 
 
 @compiled
-def texel(x: float, y: float, z: float, start: tuple[float, float], scale: tuple[float, float]) -> tuple[int, int]:
-    """Return the texel of a direction in the body, of any length: around, to be wrapped, and up, -1 where below all."""
-    up = (arctangent(z, math.sqrt(x * x + y * y)) - start[1]) * scale[1]
-    return int((arctangent(y, x) - start[0]) * scale[0]), int(up) if up >= 0.0 else -1
+def nearest_rays(image: RangeImage, count: int, x: Singles, y: Singles, out: NDArray[np.int32]) -> None:
+    """Set the rays (n,) nearest to the first `count` places in the picture, see `sights`; -1 for none."""
+    rays, around, high = image.rays.ravel(), image.rays.shape[1], image.rays.shape[0]
+    for k in range(count):
+        i, j = int(x[k]), int(y[k])
+        i = i - around if i >= around else i
+        out[k] = rays[j * around + i] if y[k] >= 0.0 and j < high else -1
+
+
+@compiled
+def arctangent(y: np.float32, x: np.float32) -> np.float32:
+    """Return the angle of a plane vector within 2e-5 rad.
+
+    Source: M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 4.4.47.
+    """
+    ax, ay = abs(x), abs(y)
+    a = min(ax, ay) / (max(ax, ay) + TINY)
+    s = a * a
+    angle = a * (A1 + s * (A3 + s * (A5 + s * (A7 + s * A9))))
+    angle = QUARTER - angle if ay > ax else angle
+    angle = HALF - angle if x < ZERO else angle
+    return -angle if y < ZERO else angle
 
 
 @compiled

@@ -36,6 +36,8 @@ class View:
     """(3,) m, world, of the sensor"""
     least: NDArray[np.float32]
     """(6, 84, 84) m, least distance that any ray of a cell went; inf without any"""
+    nearby: NDArray[np.float32]
+    """(6, 84, 84) m, the least of each cell and the eight around it on its face"""
     rays: NDArray[np.uint8]
     """(6, 84, 84) of each cell, at most 255"""
     beams: int
@@ -56,16 +58,27 @@ def view_of(scan: Scan, origin: Array, directions: Array) -> View:
     beams = len(directions)
     beside = [step for step in (1, beams // scan.rows) if scan.rows > 1 and step < beams]
     gap = max((float(np.linalg.norm(directions[step] - directions[0])) for step in beside), default=0.0)
-    return View(scan.time, origin, least, rays, beams, gap)
+    return View(scan.time, origin, least, _least_nearby(least), rays, beams, gap)
 
 
-def surprises(scan: Scan, origin: Array, directions: Array, views: Sequence[View], margin: float) -> Array:
-    """Return the points (n, 3) m, world, hit by a scan that were free in an earlier view by a margin (m) around."""
-    free = np.zeros(len(directions), dtype=bool)
-    for view in views:
-        _saw_through(view.least, view.rays, view.origin, view.gap, origin, directions, scan.ranges, margin, free)
-    points: Array = origin + scan.ranges[free, None] * directions[free]
-    return points
+def surprises(points: Array, views: Sequence[View], margin: float) -> Array:
+    """Return those of the points (n, 3) m, world, hit now, that were free in an earlier view by a margin (m) around."""
+    free = np.zeros(len(points), dtype=np.bool_)
+    for view in views or (UNSEEN,):
+        _saw_through(view.least, view.nearby, view.rays, view.origin, view.gap, points, margin, free)
+    return points[free]
+
+
+UNSEEN = View(
+    time=-math.inf,
+    origin=np.zeros(3),
+    least=np.zeros((6, CELLS, CELLS), dtype=np.float32),
+    nearby=np.zeros((6, CELLS, CELLS), dtype=np.float32),
+    rays=np.zeros((6, CELLS, CELLS), dtype=np.uint8),
+    beams=0,
+    gap=0.0,
+)
+"""before the first: nothing was free. The first scan is compared too, so that all is compiled by then"""
 
 
 @compiled
@@ -85,46 +98,69 @@ def _painted(directions: Array, ranges: Array, unhit: float) -> tuple[NDArray[np
             u, v = directions[k, (axis + 1) % 3], directions[k, (axis + 2) % 3]
             if max(abs(u), abs(v)) >= EXTENT * depth:
                 continue
-            i, j = int((u / depth + EXTENT) * half), int((v / depth + EXTENT) * half)
+            scale = half / depth
+            i, j = int(u * scale + EXTENT * half), int(v * scale + EXTENT * half)
             least[face, i, j] = min(least[face, i, j], reached)
             rays[face, i, j] = min(rays[face, i, j] + 1, 255)
     return least, rays
 
 
 @compiled
+def _least_nearby(least: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the least of each cell and the eight around it, on its face alone."""
+    beside, out = least.copy(), np.empty_like(least)
+    for face in range(6):
+        for i in range(CELLS):
+            for j in range(1, CELLS - 1):
+                beside[face, i, j] = min(least[face, i, j - 1], least[face, i, j], least[face, i, j + 1])
+            beside[face, i, 0] = min(least[face, i, 0], least[face, i, 1])
+            beside[face, i, CELLS - 1] = min(least[face, i, CELLS - 2], least[face, i, CELLS - 1])
+        for i in range(CELLS):
+            below, above = max(i - 1, 0), min(i + 1, CELLS - 1)
+            for j in range(CELLS):
+                out[face, i, j] = min(beside[face, below, j], beside[face, i, j], beside[face, above, j])
+    return out
+
+
+@compiled
 def _saw_through(
     least: NDArray[np.float32],
+    nearby: NDArray[np.float32],
     rays: NDArray[np.uint8],
     then: Array,
     gap: float,
-    now: Array,
-    directions: Array,
-    ranges: Array,
+    points: Array,
     margin: float,
     free: NDArray[np.bool_],
 ) -> None:
-    """Set `free` where all rays that came near a point once, from `then`, went past what is hit now, from `now`."""
-    half = 0.5 * CELLS / EXTENT
-    away = np.empty(3)
-    for k in range(len(directions)):
-        if free[k] or not ranges[k] < math.inf:
-            continue
-        axis = 0
-        for i in range(3):
-            away[i] = now[i] + ranges[k] * directions[k, i] - then[i]
-            if abs(away[i]) > abs(away[axis]):
-                axis = i
-        depth = abs(away[axis])
-        face = 2 * axis + (1 if away[axis] < 0.0 else 0)
-        far = math.sqrt(away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
-        spread = (margin + gap * far * far / max(depth, 1e-3)) / max(depth, 1e-3)
-        wide = 1 + int(min(spread * half, 1e3))
-        if wide > WIDEST:
-            continue
-        row = int((away[(axis + 1) % 3] / depth + EXTENT) * half)
-        column = int((away[(axis + 2) % 3] / depth + EXTENT) * half)
-        if least[face, row, column] > far + margin:
+    """Set `free` where all rays that came near a point once, from `then`, went past it."""
+    half, pictured = 0.5 * CELLS / EXTENT, nearby.ravel()
+    asked, found = np.empty(len(points), dtype=np.int64), 0
+    for k in range(len(points)):  # most were not: found without branches
+        cell, far, _depth = _cell(points[k, 0] - then[0], points[k, 1] - then[1], points[k, 2] - then[2])
+        asked[found] = k
+        found += (pictured[cell] > far + margin) & (not free[k])
+    for n in range(found):
+        k = asked[n]
+        cell, far, depth = _cell(points[k, 0] - then[0], points[k, 1] - then[1], points[k, 2] - then[2])
+        wide = 1 + int(min((margin + gap * far * far / depth) / depth * half, 1e3))
+        if wide <= WIDEST:
+            face, row, column = cell // CELLS**2, (cell // CELLS) % CELLS, cell % CELLS
             free[k] = _all_past(least[face], rays[face], row, column, wide, far + margin)
+
+
+@compiled
+def _cell(x: float, y: float, z: float) -> tuple[int, float, float]:
+    """Return the cell of the picture that a vector (m) points to, of all one after the other, its length and depth."""
+    ax, ay, az = abs(x), abs(y), abs(z)
+    second, third = ay > ax, az > max(ax, ay)
+    depth = max(ax, ay, az, 1e-3)
+    ahead = z if third else (y if second else x)
+    u, v = (x if third else (z if second else y)), (y if third else (x if second else z))
+    face = (4 if third else (2 if second else 0)) + (1 if ahead < 0.0 else 0)
+    scale = 0.5 * CELLS / EXTENT
+    row, column = int((u / depth + EXTENT) * scale), int((v / depth + EXTENT) * scale)
+    return (face * CELLS + row) * CELLS + column, math.sqrt(x * x + y * y + z * z), depth
 
 
 @compiled
