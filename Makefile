@@ -6,13 +6,18 @@ JOBS ?= 2
 
 export PYTEST_ADDOPTS
 
-.PHONY: demo test test-slow bench pictures lint clean
+.PHONY: demo test pytest test-slow bench pictures lint style types clean
 
 demo: $(VENV)/installed
 	$(BIN)/crosstrack fly examples/demo.yaml --out runs/demo --png
 
-test: $(VENV)/installed-test lint
-	$(BIN)/pytest -n $(JOBS) -m "not slow"
+# Types are checked while the tests run. Workers begin apart in the list of tests, so that what one of them has compiled
+# is there when another comes to need it.
+test: $(VENV)/installed-test style
+	$(MAKE) --no-print-directory --jobs 2 types pytest
+
+pytest: $(VENV)/installed-test
+	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not slow"
 
 test-slow: $(VENV)/installed-slow
 	$(BIN)/pytest -n $(JOBS) -m slow --fail-on-skip
@@ -52,9 +57,13 @@ pictures: $(VENV)/installed
 		--trackers $(subst $(space),$(comma),$(TRACKERS))
 	cp runs/trackers/comparison.png docs/pictures/trackers.png
 
-lint: $(VENV)/installed-test
+lint: style types
+
+style: $(VENV)/installed-test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+
+types: $(VENV)/installed-test
 	$(BIN)/mypy
 
 $(VENV)/bin/python:

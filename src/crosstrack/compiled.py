@@ -3,33 +3,78 @@
 import hashlib
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core.compiler_lock import global_compiler_lock
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 REORDERING = {"contract", "nsz", "arcp", "reassoc"}
 """What the compiler may assume of floats; not that they are numbers, since NaN stands for what is left free."""
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "forceinline": True,
+    "no_cfunc_wrapper": True,
+    "error_model": "numpy",
+    "fastmath": REORDERING,
+}
+"""Inlined into whatever calls it: a call would be bound to the callee compiled alone while it is fresh and to the
+callee compiled with its caller once cached, and these round differently. Nothing written in C calls it, and what numba
+would make for that is left out."""
+HELD: set[Path] = set()
+"""the locks that this process holds"""
 
 
 def compiled(function: Function) -> Function:
-    """Compile a plain function of floats and arrays with numba, cached on disk, single-threaded.
-
-    Inlined into whatever calls it: a call would be bound to the callee compiled alone while it is fresh and to the
-    callee compiled with its caller once cached, and these round differently.
-    """
+    """Compile a plain function of floats and arrays with numba, cached on disk, single-threaded."""
     config: Any = numba.config
     given = config.CACHE_DIR
     config.CACHE_DIR = given or str(cache_folder())
     try:
-        made = numba.njit(function, cache=True, forceinline=True, error_model="numpy", fastmath=REORDERING)
-        return cast(Function, made)
+        made: Any = numba.njit(function, **OPTIONS)
     finally:
         config.CACHE_DIR = given
+    lock = Path(made.stats.cache_path) / f"{function.__module__}.{function.__qualname__}.lock"
+    made.compile = alone(made.compile, lock)
+    return cast(Function, made)
+
+
+def alone(compile_for: Callable[[Any], Any], lock: Path) -> Callable[[Any], Any]:
+    """Let one process at a time compile a function: the others wait, and find it in the cache.
+
+    That saves their work, and keeps the cache sound. Its index has no lock of its own: of two processes that add to it
+    at once, one can leave its entry with the machine code of the other.
+    """
+
+    def compile_alone(signature: Any) -> Any:
+        with global_compiler_lock, locked(lock):
+            return compile_for(signature)
+
+    return compile_alone
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold the lock of a file, unless this process holds it; go without where there are no such locks.
+
+    A function holds its lock while those that it calls are compiled, so processes do not wait for one another in a
+    circle.
+    """
+    with ExitStack() as stack:
+        if path not in HELD:
+            with suppress(ImportError, OSError):
+                from fcntl import LOCK_EX, flock  # noqa: PLC0415 - Windows has none
+
+                path.parent.mkdir(parents=True, exist_ok=True)
+                flock(stack.enter_context(path.open("ab")), LOCK_EX)
+            HELD.add(path)
+            stack.callback(HELD.discard, path)
+        yield
 
 
 @cache

@@ -1,6 +1,7 @@
 """The field alone: what it arrives at, what traps it, and that nothing is too thin to be noticed."""
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -63,10 +64,10 @@ def test_path_in_space_goes_around_a_disc_in_the_way() -> None:
 
 @pytest.mark.parametrize("method", ["force", "descent"])
 @pytest.mark.parametrize("thickness", [1e-3, 0.05])
-def test_no_wall_is_too_thin_to_be_noticed(method: str, thickness: float) -> None:
+def test_no_wall_is_too_thin_to_be_noticed(method: Literal["force", "descent"], thickness: float) -> None:
     wall = World((Box((20.0, -200.0, -500.0), (20.0 + thickness, 200.0, 500.0)),))
     for terms in (Terms(repulsion=0.0), Terms()):
-        run = potential_path(wall, [0, 0], [40, 0.3], Law(terms, method=method))  # type: ignore[arg-type] # both are
+        run = potential_path(wall, [0, 0], [40, 0.3], Law(terms, method=method))
         assert run.outcome is not Outcome.ARRIVED
         inside = run.points[:-1] if run.outcome is Outcome.COLLIDED else run.points
         assert inside[:, 0].max() < 20.0

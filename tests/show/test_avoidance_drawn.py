@@ -48,7 +48,9 @@ def test_obstacles_that_no_map_shows_are_drawn_apart(met: Flight) -> None:
     assert (mapped.name, absent.name) == ("obstacles", "not on the map")
     assert (World(MAPPED).distance(mapped.mesh[0]) < 1e-6).all()
     assert (World(ABSENT).distance(absent.mesh[0]) < 1e-6).all()
-    assert len(mapped.mesh[1]) + len(absent.mesh[1]) == len(drawn.solid()[1])  # type: ignore[index]  # there are some
+    everything = drawn.solid()
+    assert everything
+    assert len(mapped.mesh[1]) + len(absent.mesh[1]) == len(everything[1])
     figure = figures.space([view(met, "a", "#000000")], drawn)
     assert trace(figure, "not on the map")["color"] == UNMAPPED != trace(figure, "obstacles")["color"]
 

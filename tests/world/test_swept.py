@@ -6,29 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from obstacles import mixed
 
 from crosstrack.types import Array
 from crosstrack.world.grids import Occupied, Relief, Voxels
-from crosstrack.world.shapes import Box, Cylinder, Prism, Shape, Sphere
+from crosstrack.world.shapes import Box, Cylinder, Prism, Sphere
 from crosstrack.world.world import World
 
 Triple = tuple[float, float, float]
-
-
-def mixed(count: int, seed: int) -> list[Shape]:
-    rng = np.random.default_rng(seed)
-    shapes: list[Shape] = []
-    for x, y, z in rng.uniform(-10, 10, size=(count, 3)).tolist():
-        a, b, c = rng.uniform(0.2, 2.0, size=3).tolist()
-        ell = ((x, y), (x + 2 * a, y), (x + 2 * a, y + b), (x + a, y + b), (x + a, y + 2 * b), (x, y + 2 * b))
-        choice: list[Shape] = [
-            Box((x, y, z), (x + a, y + b, z + c)),
-            Cylinder((x, y), a, (z, z + c)),
-            Sphere((x, y, z), a),
-            Prism(ell, (z, z + c)),
-        ]
-        shapes.append(choice[len(shapes) % 4])
-    return shapes
 
 
 def lumps() -> tuple[Relief, Voxels]:
@@ -39,8 +24,8 @@ def lumps() -> tuple[Relief, Voxels]:
     )
 
 
-SHAPES = World(tuple(mixed(60, 1)))
-EVERYTHING = World(tuple(mixed(20, 2)), lumps())
+SHAPES = World(mixed(60, 1))
+EVERYTHING = World(mixed(20, 2), lumps())
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 60, 700])

@@ -3,21 +3,14 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from crosstrack.campaign.avoidance.bench import Benchmark, judged, tasks
 from crosstrack.campaign.avoidance.score import Score
-from crosstrack.campaign.complete import complete, kept
 from crosstrack.campaign.runner import Runner
-from crosstrack.campaign.store import Store
-from crosstrack.campaign.task import Done
-from crosstrack.cli import codes
+from crosstrack.cli.campaigns import TABLE, flown, told
 from crosstrack.cli.comparing import show
-from crosstrack.cli.tally import Tally
-from crosstrack.cli.verbs import compiled_before, made, named
-from crosstrack.cli.watch import say
-
-RESULTS, TABLE = "results.jsonl", "results.csv"
+from crosstrack.cli.verbs import announce, made
 
 
 def avoid(
@@ -31,23 +24,13 @@ def avoid(
 ) -> int:
     """Fly the benchmark of obstacle avoidance, and write and print how each contestant did."""
     asked = tasks(words(families), words(contestants), maps, seed)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
+    announce("Getting ready")
     folder = made(out or Path("runs") / "bench" / "avoid")
-    with named(folder), Store(folder / RESULTS) as store:
-        before = kept(asked, store)
-        try:
-            with runner as workers, Count(len(asked), before) as count:
-                found = judged(asked, complete(asked, workers, store, count))
-        except KeyboardInterrupt:
-            say(
-                f"{kept(asked, store)} of {len(asked)} flights are kept in {folder}; the same command flies the others."
-            )
-            raise
+    with flown("Flights of the benchmark", asked, runner, folder) as done:
+        found = judged(asked, done)
         page = write(found, folder)
     tell(found, page, as_json)
-    for loss in found.losses:
-        say(f"lost: {', '.join(f'{name} {value}' for name, value in loss.labels.items())}: {loss.error}")
-    return codes.FLIGHTS_LOST if found.losses else codes.DONE
+    return told(found.losses)
 
 
 def words(texts: Sequence[str]) -> list[str]:
@@ -89,24 +72,3 @@ def table(rows: Sequence[Score]) -> Any:
     for line in written:
         shown.add_row(*(line[k] for k in filled))
     return shown
-
-
-class Count(Tally):
-    """Show how many flights are done, and how many of them were lost."""
-
-    def __init__(self, total: int, before: int) -> None:
-        super().__init__(total, before)
-        self.done, self.lost = before, 0
-
-    def __enter__(self) -> Self:
-        """Say what is to be done."""
-        kept = f", {self.done} of them kept from before" if self.done else ""
-        say(f"Flights of the benchmark: {self.total}{kept}.")
-        return super().__enter__()
-
-    def __call__(self, done: Done) -> None:
-        """Count a flight, and show it when it is due."""
-        self.done += 1
-        self.lost += done.error is not None
-        lost = f", {self.lost} lost" if self.lost else ""
-        self.show(self.done, f"flights{lost}", f"{self.done} of {self.total} flights{lost}")

@@ -5,26 +5,21 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 from crosstrack import mission as missions
 from crosstrack.campaign.cluster import Cluster
 from crosstrack.campaign.compare import Comparison, compared
-from crosstrack.campaign.complete import complete, kept
 from crosstrack.campaign.grid import badly_written, fitting, grid
 from crosstrack.campaign.local import Local
 from crosstrack.campaign.ranking import Row, Spread
 from crosstrack.campaign.runner import Runner
-from crosstrack.campaign.store import Store
-from crosstrack.campaign.task import Done
 from crosstrack.campaign.words import OWN, tracker_words
-from crosstrack.cli import codes
-from crosstrack.cli.tally import Tally
-from crosstrack.cli.verbs import compiled_before, made, named
-from crosstrack.cli.watch import say
+from crosstrack.cli.campaigns import TABLE, flown, told
+from crosstrack.cli.verbs import announce, made
 from crosstrack.errors import InputError, Problem
 
-RESULTS, TABLE, PAGE, PICTURE = "results.jsonl", "results.csv", "comparison.html", "comparison.png"
+PAGE, PICTURE = "comparison.html", "comparison.png"
 ORDER = (
     "Errors: median (least to greatest) of the flights, cross-track from capture on.\n"
     "Ranked by arrivals, then cross-track error; tracking error where every flight has a trajectory."
@@ -49,24 +44,14 @@ def compare(
     """Fly missions with several trackers, and write and print how each did."""
     words = [word for text in trackers for word in tracker_words(text)]
     chosen = loaded(files, settings, words, winds)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
+    announce("Getting ready")
     tasks = grid(chosen, words or fitting(chosen), winds or [OWN], seeds)
     folder = made(out or Path("runs") / "compare")
-    with named(folder), Store(folder / RESULTS) as store:
-        before = kept(tasks, store)
-        try:
-            with runner as workers, Count(len(tasks), before) as count:
-                comparison = compared(tasks, complete(tasks, workers, store, count))
-        except KeyboardInterrupt:
-            say(
-                f"{kept(tasks, store)} of {len(tasks)} flights are kept in {folder}; the same command flies the others."
-            )
-            raise
+    with flown("Flights to compare", tasks, runner, folder) as done:
+        comparison = compared(tasks, done)
         write(comparison, folder, png)
     tell(comparison, folder, as_json)
-    for loss in comparison.losses:
-        say(f"lost: {', '.join(f'{name} {value}' for name, value in loss.labels.items())}: {loss.error}")
-    return codes.FLIGHTS_LOST if comparison.losses else codes.DONE
+    return told(comparison.losses)
 
 
 def runner_for(workers: int | None, cluster: str | None) -> Runner:
@@ -184,24 +169,3 @@ def between(spread: Spread | None) -> str:
 def length(error: float) -> str:
     """Return an error in metres; one from capture on is infinite where the route was never captured."""
     return f"{error:.3f}" if error < float("inf") else "never"
-
-
-class Count(Tally):
-    """Show how many flights are done, and how many of them were lost."""
-
-    def __init__(self, total: int, before: int) -> None:
-        super().__init__(total, before)
-        self.done, self.lost = before, 0
-
-    def __enter__(self) -> Self:
-        """Say what is to be done."""
-        kept = f", {self.done} of them kept from before" if self.done else ""
-        say(f"Flights to compare: {self.total}{kept}." + " The first ones take longest." * (self.done < self.total))
-        return super().__enter__()
-
-    def __call__(self, done: Done) -> None:
-        """Count a flight, and show it when it is due."""
-        self.done += 1
-        self.lost += done.error is not None
-        lost = f", {self.lost} lost" if self.lost else ""
-        self.show(self.done, f"flights{lost}", f"{self.done} of {self.total} flights{lost}")

@@ -33,7 +33,7 @@ def from_file(mission: Path, trajectory: Path | None) -> list[str]:
 
 def plan(file: Path, trajectory: Path | None, folder: Path | None, settings: Sequence[str], as_json: bool) -> int:
     """Plan a mission's trajectory, certify it, and write both."""
-    from crosstrack.cli.verbs import compiled_before, made, named
+    from crosstrack.cli.verbs import announce, made, named
 
     mission = missions.load(file, [*from_file(file, trajectory), *settings])
     if mission.planner is None:
@@ -41,7 +41,7 @@ def plan(file: Path, trajectory: Path | None, folder: Path | None, settings: Seq
             "is required to plan a trajectory: add planner: {kind: minimum_snap}, or --set planner.kind=minimum_snap"
         )
         raise InputError(str(file), [Problem("planner", message)])
-    say("Planning ..." if compiled_before("interior") else "Planning; the first run compiles for some two minutes ...")
+    announce("Planning", "interior")
     found = certified(mission, mission.build())
     folder = made(folder or Path("runs") / mission.name)
     with named(folder):

@@ -55,7 +55,7 @@ SHOWN = {
 def fly(file: Path, out: Path | None, settings: Sequence[str], as_json: bool, png: bool) -> int:
     """Fly a mission and write what it leaves behind."""
     mission = missions.load(file, settings)
-    say("Getting ready ..." if compiled_before() else "Getting ready; the first run compiles for some two minutes ...")
+    announce("Getting ready")
     plans = mission.plans()
     for remark in notes(mission, plans):
         say(f"note: {remark}")
@@ -77,9 +77,10 @@ def log_names(mission: missions.Mission) -> list[str]:
     return [f"{member.name}.mcap" for member in mission.members] if mission.vehicles else [LOG]
 
 
-def compiled_before(module: str = "") -> bool:
-    """Return whether there is machine code from an earlier run, of a module or at all."""
-    return any(cache_folder().rglob(f"{module}*.nbc"))
+def announce(doing: str, module: str = "") -> None:
+    """Say what is done first, and that it takes long where no earlier run compiled the module, or anything at all."""
+    compiled_before = any(cache_folder().rglob(f"{module}*.nbc"))
+    say(f"{doing} ..." if compiled_before else f"{doing}; the first run compiles for some two minutes ...")
 
 
 def notes(mission: missions.Mission, plans: Sequence[Plan]) -> list[str]:
