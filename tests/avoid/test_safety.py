@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosstrack.avoid.safety import Safety, SafetyMemory
+from crosstrack.avoid.safety_stopping import Stop
+from crosstrack.avoid.safety_way import Room, least_clearance, planes_of
 from crosstrack.errors import InputError
 from crosstrack.protocols import Course, Scenario, Surroundings
 from crosstrack.types import (
@@ -177,6 +179,18 @@ def test_it_stays_within_bounds() -> None:
         assert (flown.position >= bounds[0]).all()
         assert (flown.position <= bounds[1]).all()
         assert np.linalg.norm(flown.position[-1] - (0, 0, 4)) > 3.0
+
+
+def test_a_ceiling_counts_as_an_obstacle_where_no_way_is_free() -> None:
+    """Of two ways clear of obstacles the one that ends below the ceiling is the better one."""
+    world = World(bounds=np.array([[-5.0, -5.0, 0.0], [5.0, 5.0, 8.0]]))
+    around = Surroundings(world)
+    here = np.array([0.0, 0.0, 7.0])
+    room = Room(here, math.inf, 0.21, math.inf, planes_of(world, 0.01))
+    for end, over in ((7.5, -0.49), (8.3, 0.31)):
+        points = np.array([here, (0.0, 0.0, end)])
+        way = Stop(points, np.array([0.0, 1.0]), True, end - 7.0, np.zeros(3), np.zeros(3))
+        assert least_clearance(way, around, room) == pytest.approx(0.21 - over)
 
 
 def test_it_flies_no_faster_than_its_sensors_see() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flights import CALM, EXACT, LIMITS
 
 from crosstrack.avoid.safety import Safety
 from crosstrack.protocols import Course, Map, Scenario, Surroundings
@@ -30,7 +31,7 @@ from crosstrack.world.grids import Relief, Voxels
 from crosstrack.world.shapes import Box, Cylinder
 from crosstrack.world.world import World
 
-RADIUS, PERIOD = 0.2, 0.02
+RADIUS, PERIOD, SAFETY = 0.2, 0.02, Safety()
 Pilot = Callable[[State, World, Envelope], Command]
 
 
@@ -178,11 +179,11 @@ def fly_at(
     velocity: Array,
     pilot: Pilot,
     airframe: Any = "generic",
-    limits: Limits = Limits(),  # noqa: B008 - frozen
+    limits: Limits = LIMITS,
     seconds: float = 3.0,
-    law: Safety | None = Safety(),  # noqa: B008 - frozen
-    wind: Wind = Wind(),  # noqa: B008 - frozen
-    noise: Noise = Noise(),  # noqa: B008 - frozen
+    law: Safety | None = SAFETY,
+    wind: Wind = CALM,
+    noise: Noise = EXACT,
     known: Map | None = None,
 ) -> Approach:
     """Fly a vehicle from a motion on, with the safety layer behind its pilot."""
@@ -294,6 +295,20 @@ def check(worlds: dict[str, World], world: str, pilot: str, numbers: range, seco
 @pytest.mark.parametrize("world", WORLDS)
 def test_no_pilot_hits_anything(worlds: dict[str, World], world: str, pilot: str) -> None:
     check(worlds, world, pilot, range(4), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("world", "pilot", "number"),
+    [
+        ("room", "pushing", 158),
+        ("room", "straight_at_it", 128),
+        ("forest", "pushing", 228),
+        ("forest", "straight_at_it", 147),
+    ],
+)
+def test_the_hardest_approaches_are_survived(worlds: dict[str, World], world: str, pilot: str, number: int) -> None:
+    """Climbing to a ceiling, past a beam, and between trunks."""
+    check(worlds, world, pilot, range(number, number + 1), 3.0)
 
 
 def test_where_no_way_is_free_it_brakes_as_hard_as_it_can(worlds: dict[str, World]) -> None:

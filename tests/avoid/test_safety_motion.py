@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flights import EXACT
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from crosstrack.avoid.safety_command import asked_by, keeps_upright
-from crosstrack.avoid.safety_motion import ability, bound_for, move, started, strength
+from crosstrack.avoid.safety_motion import ability, bound_for, moderate, move, started, strength
 from crosstrack.avoid.safety_stopping import Escape, way_to_rest
 from crosstrack.protocols import Scenario
 from crosstrack.types import (
@@ -33,7 +34,7 @@ UNKNOWN = np.full(3, np.nan)
 BRAKE = Escape(np.zeros(3), 0.0)
 
 
-def envelope(airframe: Any = "racer", noise: Noise = Noise()) -> Envelope:  # noqa: B008 - frozen
+def envelope(airframe: Any = "racer", noise: Noise = EXACT) -> Envelope:
     scenario = Scenario(np.zeros(3), 0.0, World(), 5.0, Limits(), Wind(), Air(), noise, 0.02, 1)
     return Quadrotor(airframe=airframe).envelope(scenario)
 
@@ -131,6 +132,18 @@ def test_strength_is_that_of_an_ellipsoid() -> None:
     assert strength(1.0, 0.0, 0.0, able) == pytest.approx(able.sideways)
     assert strength(0.0, 0.0, -1.0, able) == pytest.approx(able.vertical)
     assert able.vertical < strength(0.6, 0.0, 0.8, able) < able.sideways
+
+
+@given(st.tuples(*[st.floats(-50.0, 50.0)] * 3))
+def test_what_is_asked_for_beyond_the_ability_is_shortened_to_it(asked: tuple[float, float, float]) -> None:
+    able = ability(envelope(), 1.0)
+    wished = np.array(asked)
+    flown = moderate(wished, able)
+    size = np.linalg.norm(flown / (able.sideways, able.sideways, able.vertical))
+    assert size <= 1.0 + 1e-9
+    assert np.cross(flown, wished) == pytest.approx(np.zeros(3), abs=1e-6)
+    if size < 1.0 - 1e-6:
+        assert flown == pytest.approx(wished)
 
 
 def level() -> State:

@@ -10,7 +10,7 @@ from annotated_types import Gt, Le
 
 from crosstrack.avoid.barrier import least_acceleration, nearest
 from crosstrack.avoid.safety_command import asked_by, clip, keeps_upright
-from crosstrack.avoid.safety_motion import Ability, Motion, ability, bound_for, started, support, thrown
+from crosstrack.avoid.safety_motion import Ability, Motion, ability, bound_for, moderate, started, support, thrown
 from crosstrack.avoid.safety_stopping import Escape, Stop, way_to_rest
 from crosstrack.avoid.safety_way import Block, Room, first_block, least_clearance, planes_of
 from crosstrack.errors import InputError, Problem
@@ -162,7 +162,7 @@ class Decision:
             escape, block = self.judged(asked, WARY if self.memory.intervening else SLOW)
             if escape is not None:
                 return command, replace(self.memory, asked=asked, escape=escape, intervening=False)
-        found = self.proposed(asked, block) or self.retreat(asked)
+        found = self.proposed(moderate(asked, self.memory.full), block) or self.retreat(asked)
         stop, escape = found
         yaw = (command.yaw, command.yaw_rate) if isinstance(command, Setpoint) else (math.nan, math.nan)
         changed = Setpoint(NOTHING, stop.velocity, stop.asked, *yaw)
@@ -266,9 +266,13 @@ class Decision:
                 return min(free, key=lambda pair: float(np.linalg.norm(pair[0].asked - asked)))
             blocks = [hit for hit in found if hit is not None]
         pressed = self.pressed(ways[0][0].asked, blocks + self.closest(), hard)
-        best = max(ways, key=lambda pair: least_clearance(pair[0], self.around))
-        gained = least_clearance(best[0], self.around) - least_clearance(pressed[0], self.around)
+        best = max(ways, key=self.clearance)
+        gained = self.clearance(best) - self.clearance(pressed)
         return best if gained > WORTH else pressed
+
+    def clearance(self, found: tuple[Stop, Escape]) -> float:
+        """Return the least clearance (m) along a way to rest."""
+        return least_clearance(found[0], self.around, self.room)
 
     def closest(self) -> list[Block]:
         """Return the nearest obstacle, where there is any, as a half-space."""

@@ -111,6 +111,19 @@ def strength(x: float, y: float, z: float, able: Ability) -> float:
 
 
 @compiled
+def moderate(asked: Array, able: Ability) -> Array:
+    """Return an acceleration (3,) m/s² asked for, no longer than what there is along it.
+
+    Beyond, the thrust that goes where the pilot wants to would be missing where an obstacle demands it.
+    """
+    size = math.sqrt(asked[0] * asked[0] + asked[1] * asked[1] + asked[2] * asked[2])
+    if size < 1e-9:
+        return asked.copy()
+    most = strength(asked[0] / size, asked[1] / size, asked[2] / size, able)
+    return asked * min(1.0, most / size)
+
+
+@compiled
 def lags(k: int, able: Ability) -> tuple[float, float, float]:
     """Return τ₁, τ₂ and τ₃ (s) of an axis."""
     if k == 2:

@@ -129,12 +129,14 @@ def reached(obstacles: Map, start: Array, end: Array, needed: float) -> tuple[Ar
     return place, distance
 
 
-def least_clearance(way: Stop, around: Surroundings) -> float:
-    """Return the least distance (m) along a way to what stands or moves."""
+def least_clearance(way: Stop, around: Surroundings, room: Room) -> float:
+    """Return the least distance (m) along a way to what stands or moves, or beyond ground and bounds."""
     ends = zip(way.points[:-1], way.points[1:], strict=True)
     least = min(around.obstacles.swept(start, end) for start, end in ends)
     apart = [met_by(way.points, way.times, *ball) for ball in zip(*balls(around.others), strict=True)]
-    return float(min([least, *apart]))
+    # At a plane there is as much room left as at the least distance from an obstacle: none.
+    within = [room.needed + least_height(way.points, plane) for plane in room.planes]
+    return float(min([least, *apart, *within]))
 
 
 @compiled
@@ -142,12 +144,18 @@ def outside(points: Array, planes: Array, rounding: float) -> int:
     """Return the first plane that a way crosses, -1 for none; one crossed already may not be left farther behind."""
     for i in range(planes.shape[0]):
         first = dot(points[0], planes[i]) - planes[i, 3]
-        least = first
-        for k in range(1, points.shape[0]):
-            least = min(least, dot(points[k], planes[i]) - planes[i, 3])
-        if least < min(0.0, first) - rounding:
+        if least_height(points, planes[i]) < min(0.0, first) - rounding:
             return i
     return -1
+
+
+@compiled
+def least_height(points: Array, plane: Array) -> float:
+    """Return the least height (m) of a way over a plane (4,)."""
+    least = math.inf
+    for k in range(points.shape[0]):
+        least = min(least, dot(points[k], plane) - plane[3])
+    return least
 
 
 @compiled
