@@ -55,6 +55,12 @@ def test_intervals_are_those_of_wilson(count: int, share: float) -> None:
     assert wilson(good, count) == pytest.approx((expected.low, expected.high), abs=1e-6)
 
 
+def test_an_interval_holds_its_share() -> None:
+    for count in range(1, 300):
+        assert wilson(count, count)[1] == 1.0
+        assert wilson(0, count)[0] == 0.0
+
+
 def test_of_nothing_nothing_is_known() -> None:
     assert wilson(0, 0) == (0.0, 1.0)
 

@@ -62,7 +62,8 @@ def wilson(succeeded: int, count: int) -> tuple[float, float]:
     share, square = succeeded / count, SURE**2 / count
     middle = (share + square / 2) / (1 + square)
     half = math.sqrt(SURE**2 * (share * (1 - share) / count + square / (4 * count))) / (1 + square)
-    return max(0.0, middle - half), min(1.0, middle + half)
+    # Rounded, an end at 0 or 1 may come out inside: the share lies within for certain.
+    return max(0.0, min(share, middle - half)), min(1.0, max(share, middle + half))
 
 
 def time_ratio(result: Mapping[str, Any]) -> float:
