@@ -11,7 +11,7 @@ import pytest
 import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
-BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "vectors"}
+BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "locks", "vectors"}
 ROLES = {"world", "path", "search", "sense", "trajectory", "plan", "follow", "track", "avoid", "sim", "vehicles"}
 EDGES = {
     ("vehicles", "sim"),

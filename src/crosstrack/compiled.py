@@ -12,6 +12,8 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core.compiler_lock import global_compiler_lock
 
+from crosstrack.locks import lock
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 REORDERING = {"contract", "nsz", "arcp", "reassoc"}
@@ -39,12 +41,12 @@ def compiled(function: Function) -> Function:
         made: Any = numba.njit(function, **OPTIONS)
     finally:
         config.CACHE_DIR = given
-    lock = Path(made.stats.cache_path) / f"{function.__module__}.{function.__qualname__}.lock"
-    made.compile = alone(made.compile, lock)
+    path = Path(made.stats.cache_path) / f"{function.__module__}.{function.__qualname__}.lock"
+    made.compile = alone(made.compile, path)
     return cast(Function, made)
 
 
-def alone(compile_for: Callable[[Any], Any], lock: Path) -> Callable[[Any], Any]:
+def alone(compile_for: Callable[[Any], Any], path: Path) -> Callable[[Any], Any]:
     """Let one process at a time compile a function: the others wait, and find it in the cache.
 
     That saves their work, and keeps the cache sound. Its index has no lock of its own: of two processes that add to it
@@ -52,7 +54,7 @@ def alone(compile_for: Callable[[Any], Any], lock: Path) -> Callable[[Any], Any]
     """
 
     def compile_alone(signature: Any) -> Any:
-        with global_compiler_lock, locked(lock):
+        with global_compiler_lock, locked(path):
             return compile_for(signature)
 
     return compile_alone
@@ -67,11 +69,9 @@ def locked(path: Path) -> Iterator[None]:
     """
     with ExitStack() as stack:
         if path not in HELD:
-            with suppress(ImportError, OSError):
-                from fcntl import LOCK_EX, flock  # noqa: PLC0415 - Windows has none
-
+            with suppress(OSError):
                 path.parent.mkdir(parents=True, exist_ok=True)
-                flock(stack.enter_context(path.open("ab")), LOCK_EX)
+                lock(stack.enter_context(path.open("ab")), wait=True)
             HELD.add(path)
             stack.callback(HELD.discard, path)
         yield

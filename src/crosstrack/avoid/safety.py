@@ -24,10 +24,10 @@ CAUTION = 0.95
 """of the deceleration counted on, for commands that are proposed: so that they are found safe"""
 SLOW = 0.85
 """of the response time, by which a vehicle may begin to brake later than expected"""
-EVADE = 0.7
-"""of the acceleration counted on, for turning away: a turn is known less well than braking"""
 WARY = 1.15
 """the same, for a command to pass after one that did not: so that passing and braking do not alternate"""
+EVADE = 0.7
+"""of the acceleration counted on, for turning away: a turn is known less well than braking"""
 HARD = 2.5
 """of the gain, where no way is free: it may overshoot then, since that is away from what is in the way"""
 WORTH = 0.005

@@ -10,6 +10,7 @@ from typing import BinaryIO, Self
 
 from crosstrack.campaign.task import Done
 from crosstrack.errors import InputError, Problem
+from crosstrack.locks import lock
 
 FIELDS = {field.name for field in fields(Done)}
 BEGINS = b'{"key": "'
@@ -36,7 +37,7 @@ class Store:
         self.file: BinaryIO = self.path.open("ab")
         with ExitStack() as unless_ours:
             unless_ours.callback(self.file.close)
-            lock(self.file, self.path)
+            claim(self.file, self.path)
             self.file.truncate(self.load())
             unless_ours.pop_all()
 
@@ -85,18 +86,14 @@ def parsed(line: bytes) -> Done | None:
     return Done(**value) if all(kinds) else None
 
 
-def lock(file: BinaryIO, path: Path) -> None:
+def claim(file: BinaryIO, path: Path) -> None:
     """Keep other campaigns off a file until it is closed; a process that is killed closes it too.
 
     Raises:
         InputError: another one has it.
     """
     try:
-        from fcntl import LOCK_EX, LOCK_NB, flock  # noqa: PLC0415 - Windows has none
-    except ModuleNotFoundError:
-        return
-    try:
-        flock(file, LOCK_EX | LOCK_NB)
+        lock(file, wait=False)
     except BlockingIOError:
         message = "another campaign is writing here: wait for it, or name another folder"
         raise InputError(str(path), [Problem("", message)]) from None
