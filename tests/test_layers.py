@@ -12,9 +12,25 @@ import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
 BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "locks", "vectors"}
-ROLES = {"world", "path", "search", "sense", "trajectory", "plan", "follow", "track", "avoid", "sim", "vehicles"}
+ROLES = {
+    "world",
+    "path",
+    "search",
+    "sense",
+    "trajectory",
+    "plan",
+    "follow",
+    "track",
+    "avoid",
+    "sim",
+    "vehicles",
+    "airsim",
+}
 EDGES = {
     ("vehicles", "sim"),
+    ("vehicles", "airsim"),
+    ("airsim", "sim"),
+    ("airsim", "world"),
     ("sim", "world"),
     ("follow", "path"),
     ("track", "path"),

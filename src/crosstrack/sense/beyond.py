@@ -4,12 +4,10 @@ A vehicle that climbs beside a trunk gets to where its sensor has not looked yet
 assumed there goes as soon as a ray passes through it.
 """
 
-import math
-
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.sense.blocks import Blocks, coarse, fourth, frame, start_point, take
+from crosstrack.sense.blocks import FULL, OUTSIDE, Blocks, frame, row_at
 from crosstrack.sense.pose import entries, turned_to
 from crosstrack.types import Array
 
@@ -57,24 +55,13 @@ def assume(blocks: Blocks, points: Array, time: float, first: int) -> int:
 
     The first ray through such a point takes it away.
     """
-    cell, window, slot = blocks.cell, frame(blocks), blocks.slot
+    window, worth = frame(blocks), blocks.worth
     for n in range(first, len(points)):
         x, y, z = points[n, 0], points[n, 1], points[n, 2]
-        i, j, k = math.floor(x / cell), math.floor(y / cell), math.floor(z / cell)
-        cube = coarse(window, i >> 4, j >> 4, k >> 4)
-        if cube < 0:
-            continue
-        part, voxel = fourth(i >> 2, j >> 2, k >> 2), fourth(i, j, k)
-        b = blocks.parts[cube, part]
-        if b < 0:
-            b = take(blocks, cube, part, (i >> 2, j >> 2, k >> 2))
-            if b < 0:
-                return n
-        if slot[b, voxel] >= 0:
-            continue
-        if blocks.pool[2] == len(blocks.points):
+        row = row_at(blocks, window, x, y, z)
+        if row == FULL:
             return n
-        row = start_point(blocks, b, voxel)
-        blocks.points[row, 0], blocks.points[row, 1], blocks.points[row, 2] = x, y, z
-        blocks.points[row, 3], blocks.worth[row, 0], blocks.worth[row, 1] = time, 1, 1
+        if row != OUTSIDE and worth[row, 0] == 0:
+            blocks.points[row, 0], blocks.points[row, 1], blocks.points[row, 2] = x, y, z
+            blocks.points[row, 3], worth[row, 0], worth[row, 1] = time, 1, 1
     return len(points)

@@ -9,6 +9,7 @@ Functions that are called for every point take numbers, not arrays: numba counts
 that takes longer than what is done with them.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,9 @@ MOST_HITS = 4
 """hits that a point is the mean of, at most: later ones count for more, so that it stays on the side last seen"""
 MOST_TRUST = 3
 """scans in a row that must see through a point before it goes"""
+
+OUTSIDE, FULL = -1, -2
+"""instead of a row: a place is outside the window, or there is no room for another point"""
 
 
 class Blocks(NamedTuple):
@@ -187,6 +191,26 @@ def start_point(blocks: Blocks, b: int, voxel: int) -> int:
         blocks.points[row, k] = 0.0
     blocks.worth[row, 0], blocks.worth[row, 1] = 0, 0
     return row
+
+
+@compiled
+def row_at(blocks: Blocks, window: Frame, x: float, y: float, z: float) -> int:
+    """Return the row of the point of the voxel at a place (m), a new one where it has none; OUTSIDE, or FULL."""
+    cell = blocks.cell
+    i, j, k = math.floor(x / cell), math.floor(y / cell), math.floor(z / cell)
+    cube = coarse(window, i >> 4, j >> 4, k >> 4)
+    if cube < 0:
+        return OUTSIDE
+    part, voxel = fourth(i >> 2, j >> 2, k >> 2), fourth(i, j, k)
+    b = int(blocks.parts[cube, part])
+    if b < 0:
+        b = take(blocks, cube, part, (i >> 2, j >> 2, k >> 2))
+        if b < 0:
+            return FULL
+    p = blocks.slot[b, voxel]
+    if p >= 0:
+        return int(blocks.members[b, p])
+    return FULL if blocks.pool[2] == len(blocks.points) else start_point(blocks, b, voxel)
 
 
 @compiled

@@ -5,16 +5,7 @@ import math
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.sense.blocks import (
-    MOST_HITS,
-    MOST_TRUST,
-    Blocks,
-    coarse,
-    fourth,
-    frame,
-    start_point,
-    take,
-)
+from crosstrack.sense.blocks import FULL, MOST_HITS, MOST_TRUST, OUTSIDE, Blocks, frame, row_at
 from crosstrack.sense.pose import entries, turned_to
 from crosstrack.types import Array
 
@@ -62,28 +53,19 @@ def add_hits(
         time: s
         first: where to begin
     """
-    turn, cell, window, index = entries(turned), blocks.cell, frame(blocks), blocks.parts
-    slot, members, worth, points = blocks.slot, blocks.members, blocks.worth, blocks.points
+    turn, window = entries(turned), frame(blocks)
+    worth, points = blocks.worth, blocks.points
     for ray in range(first, len(ranges)):
         r = ranges[ray]
         if r == math.inf:
             continue
         x, y, z = turned_to(turn, directions[ray, 0], directions[ray, 1], directions[ray, 2])
         x, y, z = origin[0] + r * x, origin[1] + r * y, origin[2] + r * z
-        i, j, k = math.floor(x / cell), math.floor(y / cell), math.floor(z / cell)
-        cube = coarse(window, i >> 4, j >> 4, k >> 4)
-        if cube < 0:
-            continue
-        part, voxel = fourth(i >> 2, j >> 2, k >> 2), fourth(i, j, k)
-        b = index[cube, part]
-        if b < 0:
-            b = take(blocks, cube, part, (i >> 2, j >> 2, k >> 2))
-            if b < 0:
-                return ray
-        p = slot[b, voxel]
-        if p < 0 and blocks.pool[2] == len(points):
+        row = row_at(blocks, window, x, y, z)
+        if row == FULL:
             return ray
-        row = members[b, p] if p >= 0 else start_point(blocks, b, voxel)
+        if row == OUTSIDE:
+            continue
         hits = min(worth[row, 0] + 1, MOST_HITS)
         worth[row, 0], worth[row, 1] = hits, min(worth[row, 1] + 1, MOST_TRUST)
         points[row, 0] += (x - points[row, 0]) / hits
