@@ -29,6 +29,7 @@ ROLES = {
 EDGES = {
     ("vehicles", "sim"),
     ("vehicles", "airsim"),
+    ("vehicles", "sense"),
     ("airsim", "sim"),
     ("airsim", "world"),
     ("sim", "world"),

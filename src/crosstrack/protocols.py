@@ -301,6 +301,8 @@ class Scenario:
     """what it sees with"""
     traffic: Traffic | None = None
     """what moves in the world; None where nothing does"""
+    name: str = ""
+    """of the vehicle, where several fly together"""
 
 
 class Session(Protocol):
@@ -325,6 +327,13 @@ class Session(Protocol):
     def touched(self) -> bool:
         """Return whether the vehicle has hit the ground harder than a landing."""
 
+    def begin(self, command: Command, duration: float) -> None:
+        """Take note of the command that `advance` will fly next, so that vehicles with one clock fly theirs together.
+
+        Raises:
+            LinkLost: the vehicle no longer answers.
+        """
+
     def advance(self, command: Command, duration: float) -> None:
         """Fly a command for a time (s).
 
@@ -342,6 +351,10 @@ class Vehicle(Protocol):
     @property
     def radius(self) -> float:
         """m, of the sphere that must stay free"""
+
+    @property
+    def stand_in(self) -> "Vehicle":
+        """What flies in its place where nothing real may move: itself, where it is simulated."""
 
     def envelope(self, scenario: Scenario) -> Envelope:
         """Return what it can do in a scenario."""

@@ -15,6 +15,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
     "vehicle": {
         "quadrotor": "crosstrack.vehicles.quadrotor:Quadrotor",
         "point": "crosstrack.vehicles.point:Point",
+        "airsim": "crosstrack.vehicles.airsim.vehicle:AirSim",
     },
     "planner": {
         "minimum_snap": "crosstrack.plan.minimum:MinimumSnap",

@@ -244,17 +244,46 @@ def replay(log: Path, *, out: Path | None = None, json: Switch = False, png: Swi
 
 
 @app.command
-def export(mission: Path, plan: Path, *, settings: Settings | None = None) -> int:
-    """Write a mission's route and speed as a QGroundControl plan.
+def serve(
+    *,
+    settings: Path | None = None,
+    world: Path | None = None,
+    host: str | None = None,
+    port: int | None = None,
+    clock_speed: float | None = None,
+    lockstep: Switch = False,
+    ideal: Switch = False,
+    seed: int = 1,
+) -> int:
+    """Serve AirSim's API on the embedded simulator: any AirSim script flies here, without Unreal.
+
+    Args:
+        settings: AirSim's settings.json; by default what the mission needs, else AirSim's defaults
+        world: a mission file, whose world is served; by default one of our own, with obstacles of several kinds
+        host: address to listen at; by default that of the settings, else this machine alone
+        port: by default that of the settings, else 41451; 0 for any free one
+        clock_speed: simulated over real time; by default that of the settings, else 1
+        lockstep: advance the clock only while a client waits for a move, or as it asks, as fast as the machine can
+        ideal: fly without AirSim's known mistakes
+        seed: of the noise of sensors
+    """
+    from crosstrack.cli import serving
+
+    return serving.serve(settings, world, host, port, clock_speed, lockstep, ideal, seed)
+
+
+@app.command
+def export(mission: Path, file: Path, *, settings: Settings | None = None) -> int:
+    """Write a mission's route and speed as a QGroundControl plan, or what AirSim needs to know for it.
 
     Args:
         mission: the mission file
-        plan: the file to write, such as out.plan
+        file: the file to write: a plan, such as out.plan, or AirSim's settings.json
         settings: change one value of the mission, such as speed=3; may be given several times
     """
     from crosstrack.cli import verbs
 
-    return verbs.export(mission, plan, settings or [])
+    return verbs.export(mission, file, settings or [])
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -234,8 +234,14 @@ def replay(log: Path, out: Path | None, as_json: bool, png: bool) -> int:
     return 0
 
 
-def export(file: Path, plan: Path, settings: Sequence[str]) -> int:
-    """Write a mission as a plan."""
-    missions.export_plan(missions.load(file, settings), plan)
-    print(f"Wrote {plan}.")
+def export(file: Path, out: Path, settings: Sequence[str]) -> int:
+    """Write a mission as a plan, or as AirSim's settings."""
+    mission = missions.load(file, settings)
+    if out.suffix == ".json":
+        from crosstrack.mission.airsim import airsim_settings
+
+        out.write_text(json.dumps(airsim_settings(mission), indent=2) + "\n", encoding="utf-8")
+    else:
+        missions.export_plan(mission, out)
+    print(f"Wrote {out}.")
     return 0

@@ -100,6 +100,11 @@ class Flying:
             if self.pilot.replanned is not None:
                 self.judge.renew(self.pilot.navigator.course, self.now)
 
+    def begin(self) -> None:
+        """Give notice of the command."""
+        with self.ending():
+            self.session.begin(self.command, self.plan.scenario.period)
+
     def advance(self) -> None:
         """Fly the command for one period."""
         with self.ending():

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 
 import numpy as np
 
+from crosstrack.flight.drawing import drawing
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.flying import Flying
 from crosstrack.flight.observer import Observer
@@ -32,7 +33,7 @@ def fly_together(plans: Sequence[Plan], observers: Sequence[Sequence[Observer]] 
         observers: of each plan; none by default
     """
     watching = observers or [()] * len(plans)
-    vehicles = [Flying(plan, watching[k], k, len(plans)) for k, plan in enumerate(plans)]
+    vehicles = [Flying(plan, [*watching[k], *drawing(plan)], k, len(plans)) for k, plan in enumerate(plans)]
     with ExitStack() as endings:
         for vehicle in vehicles:
             for observer in vehicle.observers:
@@ -60,13 +61,15 @@ def together(vehicles: Sequence[Flying]) -> None:
         for vehicle in aloft:
             vehicle.decide([other for other in aloft if other is not vehicle])
         for vehicle in aloft:
+            vehicle.begin()
+        for vehicle in aloft:
             vehicle.advance()
         apart, gaps = separations(vehicles)
 
 
 def warm_up(plan: Plan) -> None:
     """Compile what a flight needs, so that its first step takes no longer than the others."""
-    session = plan.vehicle.launch(plan.scenario)
+    session = plan.vehicle.stand_in.launch(plan.scenario)
     command = Pilot(plan, session.sense()).decide(session.sense(), session.scans(), ALONE)
     session.advance(command, plan.scenario.period)
     plan.scenario.world.swept(np.zeros(3), np.ones(3))

@@ -13,7 +13,8 @@ from crosstrack.mission.complaints import faults_of
 from crosstrack.mission.parts import kind_of
 from crosstrack.mission.text import Document, Place, show
 from crosstrack.mission.values import sound
-from crosstrack.types import Array
+from crosstrack.protocols import EXACT
+from crosstrack.types import Air, Array
 from crosstrack.world.files import read
 from crosstrack.world.world import World
 
@@ -273,8 +274,17 @@ def remarks(mission: "Mission") -> list[str]:
     return [
         *(f"{mission.route}: {remark}" for remark in (mission.survey.remarks if mission.survey else ())),
         *([f"start.yaw is {yaw:g} rad, more than a full turn: was it meant in degrees?"] if abs(yaw) > TURN else []),
+        *unheard(mission),
         *(leg_remarks(mission) if mission.planner is None and not mission.avoid else ()),
     ]
+
+
+def unheard(mission: "Mission") -> list[str]:
+    """Say what a mission says to the embedded simulator alone, where another one flies it."""
+    if mission.vehicle.stand_in is mission.vehicle:
+        return []
+    told = {"mismatch": mission.mismatch != EXACT, "air": mission.air != Air()}
+    return [f"{name} is for the embedded simulator: this vehicle does not hear of it" for name in told if told[name]]
 
 
 def leg_remarks(mission: "Mission") -> list[str]:

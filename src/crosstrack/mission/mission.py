@@ -161,11 +161,11 @@ class Mission(MissionFile):
             Infeasible: no trajectory keeps within what is asked for, or there is no way to a goal.
         """
         assure(self)
-        return [member.plan() for member in self.members]
+        return [member.plan(member.name if self.vehicles else "") for member in self.members]
 
-    def plan(self) -> Plan:
-        """Return the mission as objects, once it is known to be sound."""
-        scenario, tracker = self.scenario(), self.tracker
+    def plan(self, name: str) -> Plan:
+        """Return the mission as objects, once it is known to be sound; with the name of its vehicle among several."""
+        scenario, tracker = replace(self.scenario(), name=name), self.tracker
         assert tracker is not None  # it was given its default
         route, began = Polyline(self.points), time.perf_counter()
         course = course_for(self, route, scenario)

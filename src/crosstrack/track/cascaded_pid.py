@@ -66,7 +66,7 @@ class CascadedPid:
         self, memory: PidMemory, course: Course, state: State, duration: float
     ) -> tuple[AttitudeSetpoint, PidMemory]:
         """Return attitude and thrust for the next `duration` (s), and the new memory."""
-        clock, model = tick(memory.clock, course, state, duration), model_of(course)
+        clock, model = tick(memory.clock, course, state), model_of(course)
         response = course.envelope.response_time + 0.5 * duration
         damp = self.velocity_gain / response
         stiff = self.position_gain * damp

@@ -31,6 +31,8 @@ class Clock:
     """the stretch of the trajectory around now"""
     due: float
     """m, arc length that the trajectory has come to"""
+    read: float
+    """s, when that was, on the vehicle's clock"""
 
     def since(self, state: State) -> float:
         """Return the time (s) after the first sample of the stretch."""
@@ -69,23 +71,24 @@ def begin(course: Course, state: State, heading: float | None = None) -> Clock:
     foot = course.path(course.entry)
     error = float(np.linalg.norm(foot - state.position))
     yaw = heading_of(state.attitude) if heading is None else heading
-    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, yaw), course.entry)
+    return Clock(course.entry, trajectory(0.0), state.time, error, reference(trajectory, yaw), course.entry, state.time)
 
 
-def tick(clock: Clock, course: Course, state: State, duration: float) -> Clock:
-    """Return the clock now, `duration` (s) after the step before.
+def tick(clock: Clock, course: Course, state: State) -> Clock:
+    """Return the clock now.
 
     Far off, the closest point may be one that the trajectory comes to much later, and is not taken for progress.
     """
     now = state.time - clock.began
     stretch = clock.reference.covering(now)
     row = stretch.rows[min(int((now - stretch.begin) / SPACING + 0.5), ROWS - 1)]
-    due = clock.due + math.sqrt(row[3:6] @ row[3:6]) * duration
-    moved = math.sqrt(state.velocity @ state.velocity) * duration
+    passed = state.time - clock.read  # by the vehicle's clock: not all keep the period asked for
+    due = clock.due + math.sqrt(row[3:6] @ row[3:6]) * passed
+    moved = math.sqrt(state.velocity @ state.velocity) * passed
     reach = min(reach_of(clock.error, moved), max(0.0, due + EARLY - clock.progress))
     s = course.path.project(state.position, clock.progress, reach)
     offset = course.path(s) - state.position
-    return Clock(s, row[:3], clock.began, math.sqrt(offset @ offset), stretch, due)
+    return Clock(s, row[:3], clock.began, math.sqrt(offset @ offset), stretch, due, state.time)
 
 
 def heading_of(attitude: Array) -> float:

@@ -41,7 +41,7 @@ class FeedForward:
 
     def step(self, memory: Clock, course: Course, state: State, duration: float) -> tuple[Setpoint, Clock]:
         """Return the motion to fly for the next `duration` (s), and the new memory."""
-        clock = tick(memory, course, state, duration)
+        clock = tick(memory, course, state)
         rows, then = clock.reference.rows, clock.since(state) + 0.5 * duration
         asked = motion(rows, then)
         ahead = motion(rows, then + self.lead * course.envelope.response_time)

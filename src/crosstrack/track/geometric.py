@@ -106,7 +106,7 @@ class Geometric:
         self, memory: GeometricMemory, course: Course, state: State, duration: float
     ) -> tuple[RateSetpoint, GeometricMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
-        clock, model = tick(memory.clock, course, state, duration), model_of(course)
+        clock, model = tick(memory.clock, course, state), model_of(course)
         miss = limited(clock.aim - state.position, INTEGRATED_ERROR)
         push = limited(memory.push - self.integral_gain * duration * miss, INTEGRAL)
         gains = gains_of(self, course.envelope, model, duration)

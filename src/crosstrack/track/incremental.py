@@ -66,7 +66,7 @@ class Incremental:
         self, memory: IncrementalMemory, course: Course, state: State, duration: float
     ) -> tuple[RateSetpoint, IncrementalMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
-        clock, model = tick(memory.clock, course, state, duration), model_of(course)
+        clock, model = tick(memory.clock, course, state), model_of(course)
         push, known = felt(memory, state, model, self.bandwidth, duration)
         gains = gains_of(self, course.envelope, model, duration)
         return commanded(clock, state, model, duration, push, gains), IncrementalMemory(clock, push, known)

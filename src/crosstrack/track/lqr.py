@@ -86,7 +86,7 @@ class Lqr:
 
     def step(self, memory: LqrMemory, course: Course, state: State, duration: float) -> tuple[RateSetpoint, LqrMemory]:
         """Return rates and thrust for the next `duration` (s), and the new memory."""
-        clock, model = tick(memory.clock, course, state, duration), model_of(course)
+        clock, model = tick(memory.clock, course, state), model_of(course)
         schedule = memory.schedule
         if schedule is None or abs(schedule.period - duration) > 1e-9:
             schedule = self.scheduled(clock, course.envelope, model, duration)

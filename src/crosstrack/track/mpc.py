@@ -80,7 +80,7 @@ class Mpc:
         if duration > memory.design.held:  # asked more seldom than at 50 Hz: made anew, once
             made = self.designed(course, duration)
             memory = replace(memory, design=made, active=made.program.flags)
-        clock, model, made = tick(memory.clock, course, state, duration), model_of(course), memory.design
+        clock, model, made = tick(memory.clock, course, state), model_of(course), memory.design
         rows, since = clock.reference.rows, clock.since(state)
         push, known = felt(memory, state, model, self.bandwidth, duration)
         off = np.empty(12)

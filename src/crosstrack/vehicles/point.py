@@ -32,6 +32,11 @@ class Point:
     acceleration: Positive | None = None
     """m/s², the most that it turns with, speed times turn rate; none for no limit"""
 
+    @property
+    def stand_in(self) -> "Point":
+        """Itself."""
+        return self
+
     def envelope(self, scenario: Scenario) -> Envelope:
         """Return what it can do: fly at the mission's speed, always."""
         most = self.acceleration or math.inf
@@ -99,6 +104,9 @@ class PointSession:
     def touched(self) -> bool:
         """Return whether it is below the ground; it may glide along it."""
         return bool(self.state.position[2] < self.ground - SKIM)
+
+    def begin(self, command: Command, duration: float) -> None:
+        """Need no notice: its clock is its own."""
 
     def advance(self, command: Command, duration: float) -> None:
         """Fly for a time (s) in the direction of the velocity asked for, turned by the acceleration asked for."""

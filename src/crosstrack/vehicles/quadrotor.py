@@ -76,6 +76,11 @@ class Quadrotor:
     radius: Positive = 0.2
     """m, of the sphere that must stay free"""
 
+    @property
+    def stand_in(self) -> "Quadrotor":
+        """Itself."""
+        return self
+
     def envelope(self, scenario: Scenario) -> Envelope:
         """Return what its thrust and the tilt limit allow while it holds its height, and up and down.
 
@@ -174,6 +179,9 @@ class QuadrotorSession:
     def touched(self) -> bool:
         """Return whether it hit the ground harder than a landing."""
         return bool(self.rows["impact"][0] > HARD_LANDING)
+
+    def begin(self, command: Command, duration: float) -> None:
+        """Need no notice: its clock is its own."""
 
     def advance(self, command: Command, duration: float) -> None:
         """Fly a command for a time (s), in equal steps of at most STEP."""

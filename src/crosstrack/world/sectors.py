@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 from crosstrack.world.nearest import box_distance
-from crosstrack.world.rays import box_span, corners_of, hit, ray_from, upright
-from crosstrack.world.table import CYLINDER, Table
+from crosstrack.world.rays import box_span, corners_of, entry, hit, ray_from, upright
+from crosstrack.world.table import BOX, CYLINDER, Table
 
 Indices = NDArray[np.int64]
 ROUNDING = 1e-9
@@ -112,6 +112,12 @@ def listed(table: Table, origin: Array, found: Indices, count: int) -> tuple[Ind
 @compiled
 def cast(table: Table, origin: Array, directions: Array, reach: float) -> Array:
     """Return how far (n,) m rays go from a point (3,) along unit vectors (n, 3); inf where not within reach (m)."""
+    return traced(table, origin, directions, reach)[0]
+
+
+@compiled
+def traced(table: Table, origin: Array, directions: Array, reach: float) -> tuple[Array, Indices]:
+    """Return what `cast` does, and which obstacle each ray hits (n,), -1 where none."""
     found = within(table, origin, reach)
     near = np.empty(len(found))
     for k in range(len(found)):
@@ -120,11 +126,12 @@ def cast(table: Table, origin: Array, directions: Array, reach: float) -> Array:
     found, near = found[order], near[order]
     count = min(max(len(directions) // 8, 16), 1024)
     starts, lists = listed(table, origin, found, count)
-    kinds, numbers, out = table.kinds, table.numbers, np.empty(len(directions))
+    kinds, numbers = table.kinds, table.numbers
+    out, struck = np.empty(len(directions)), np.empty(len(directions), dtype=np.int64)
     whole = corners_of(table.nodes, 0)
     for r in range(len(directions)):
         ray = ray_from(origin[0], origin[1], origin[2], directions[r, 0], directions[r, 1], directions[r, 2])
-        flat, best = math.sqrt(ray[3] * ray[3] + ray[4] * ray[4]), math.inf
+        flat, best, first = math.sqrt(ray[3] * ray[3] + ray[4] * ray[4]), math.inf, -1
         ahead = min(reach, box_span(ray, whole)[1] + ROUNDING)
         s = sector(ray[3], ray[4], count)
         for at in range(starts[s], starts[s + 1]):
@@ -135,9 +142,12 @@ def cast(table: Table, origin: Array, directions: Array, reach: float) -> Array:
             if kinds[i] == CYLINDER:
                 axis = numbers[i, 0], numbers[i, 1], numbers[i, 2]
                 t = upright(ray, axis, numbers[i, 3], numbers[i, 4])
+            elif kinds[i] == BOX:
+                t = entry(box_span(ray, corners_of(numbers, i)))
             else:
                 t = hit(table, i, ray, ahead)
             if t <= ahead:
                 best = ahead = t
-        out[r] = best
-    return out
+                first = i
+        out[r], struck[r] = best, first
+    return out, struck

@@ -34,6 +34,8 @@ class Table(NamedTuple):
     """(q, 6) m, box around each node of the tree; the first is the root"""
     links: NDArray[np.int64]
     """(q, 2) a leaf's first obstacle and how many; a fork's second child and 0: the first child follows it"""
+    places: NDArray[np.int64]
+    """(n,) where each was among the shapes and the occupied grids that the table was made from"""
 
 
 def tabulate(shapes: Sequence[Shape], grids: Sequence[Grid]) -> Table | None:
@@ -60,6 +62,7 @@ def tabulate(shapes: Sequence[Shape], grids: Sequence[Grid]) -> Table | None:
         np.concatenate([np.empty(0, dtype=bool), *(np.pad(grid.occupied, (0, 1)).ravel() for grid in grids)]),
         nodes,
         links,
+        order,
     )
 
 

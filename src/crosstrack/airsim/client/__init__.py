@@ -1,0 +1,1 @@
+"""A client of AirSim's protocol that needs no other package: blocking, or for asyncio."""

@@ -1,0 +1,1 @@
+"""The server: AirSim's protocol on one side, the embedded simulator on the other."""
