@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -51,7 +52,8 @@ def begun(name: str) -> Aloft:
 
 def angles(a: Array, b: Array) -> Array:
     """Return the angles (rad) between attitudes (n, 4) xyzw."""
-    return 2 * np.arccos(np.clip(np.abs((a * b).sum(axis=1)), 0, 1))
+    found: Array = 2 * np.arccos(np.clip(np.abs((a * b).sum(axis=1)), 0, 1))
+    return found
 
 
 @cache
@@ -120,11 +122,9 @@ def test_a_holding_vehicle_leans_into_the_wind_as_recorded() -> None:
 def step_response(log: Array) -> tuple[float, float, float]:
     """Return the steady speed north (m/s) of a step, and when (s) it reached 63 % and 90 % of it."""
     steady = log[-20:, 4].mean()
-    times = [
-        np.interp(share, log[: log[:, 4].argmax() + 1, 4] / steady, log[: log[:, 4].argmax() + 1, T])
-        for share in (0.632, 0.9)
-    ]
-    return float(steady), float(times[0]), float(times[1])
+    rise = log[: log[:, 4].argmax() + 1]
+    t63, t90 = np.interp([0.632, 0.9], rise[:, 4] / steady, rise[:, T])
+    return float(steady), float(t63), float(t90)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_the_height_slows_a_step_down(z: float, t63: float, t90: float) -> None:
 def cross_track(points: Array, corners: Array) -> Array:
     """Return the distances (m) of points (n, 3) from a polyline."""
     found = np.full(len(points), np.inf)
-    for a, b in zip(corners, corners[1:], strict=False):
+    for a, b in pairwise(corners):
         share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
         found = np.minimum(found, np.linalg.norm(points - a - share[:, None] * (b - a), axis=1))
     return found

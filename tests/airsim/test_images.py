@@ -13,7 +13,6 @@ from scenery import at, call, put, simulated, vector
 
 from crosstrack import frames
 from crosstrack.airsim.firmware.airframe import RADIUS
-from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.scene.images import NOTHING, Shot
 from crosstrack.airsim.scene.palette import PALETTE
 from crosstrack.airsim.scene.png import encoded

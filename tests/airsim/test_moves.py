@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -195,7 +196,8 @@ def test_an_empty_path_is_flown_at_once() -> None:
 def test_legs_of_no_length_are_passed() -> None:
     legs = Legs([(0, 0, 0), (1, 0, 0), (1, 0, 0), (1, 2, 0)])
     place = legs.ahead(legs.start(), 1.5)
-    assert (place.leg, place.point) == (2, pytest.approx((1, 0.5, 0)))
+    assert place.leg == 2
+    assert place.point == pytest.approx((1, 0.5, 0))
     assert legs.left(place) == pytest.approx(1.5)
     assert legs.ended(legs.ahead(place, 5.0))
     assert legs.ahead(place, 5.0).point == (1, 2, 0)
@@ -278,9 +280,8 @@ def test_an_ideal_vehicle_arrives_where_it_is_sent(goal: tuple[float, float, flo
 def test_an_ideal_step_does_not_depend_on_the_height() -> None:
     logs = []
     for z in (-5.0, -40.0):
-        log, _, _ = hovering(z, ideal=True).logged(
-            lambda v, z=z: velocity.move_by_velocity_z(v, 5, 0, z, 5, 0, AS_IT_IS)
-        )
+        step = partial(velocity.move_by_velocity_z, vx=5, vy=0, z=z, duration=5, drivetrain=0, mode=AS_IT_IS)
+        log, _, _ = hovering(z, ideal=True).logged(step)
         logs.append(np.interp(np.arange(0, 5, 0.1), log[:, T], log[:, 4]))
     assert logs[0] == pytest.approx(logs[1], abs=0.05)
 

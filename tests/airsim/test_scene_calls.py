@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenery import at, call, put, simulated, vector
+from scenery import call, simulated, vector
 
 from crosstrack.airsim.methods import METHODS
-from crosstrack.airsim.scene.warm import warm
 from crosstrack.airsim.server.errors import Refused
 from crosstrack.airsim.server.handlers import cameras, environment, images, lenses, markers, objects, recording, sensing
 from crosstrack.airsim.server.simulator import Simulator
@@ -146,12 +145,3 @@ def test_a_vehicle_that_is_nowhere_sees_the_sky() -> None:
             call(simulator, "simGetImages", [ImageRequest("0", kind, False, False)], "", False)
         simulator.scene.equipment.carried["V"].suite.restart()
         call(simulator, "getDistanceSensorData", "", "")
-
-
-def test_warming_up_changes_nothing() -> None:
-    simulator = scene()
-    put(simulator, at(0, 0, -3))
-    before = call(simulator, "simGetImage", "0", 0, "", False)
-    warm(simulator.scene)
-    assert call(simulator, "simGetImage", "0", 0, "", False) == before
-    assert call(simulator, "simListSceneObjects", "another") == []

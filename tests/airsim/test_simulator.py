@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import time
 from collections.abc import Coroutine
 from typing import Any
 
@@ -11,7 +12,6 @@ from aloft import AS_IT_IS, NEVER, Aloft, hovering, on_ground
 
 from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.scene.scene import Scene
-from crosstrack.airsim.server import clock as clocks
 from crosstrack.airsim.server.clock import LATE, TICK, Clock
 from crosstrack.airsim.server.errors import Refused
 from crosstrack.airsim.server.handlers import clock, flight, state
@@ -343,7 +343,7 @@ def test_an_external_force_pushes_until_it_is_taken_back() -> None:
 
 def test_the_clock_keeps_wall_time_times_its_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [100.0]
-    monkeypatch.setattr(clocks.time, "monotonic", lambda: wall[0])
+    monkeypatch.setattr(time, "monotonic", lambda: wall[0])
     for speed, counted in ((1.0, 1.0), (2.7, 2.0), (0.5, 0.5)):
         found = Clock(speed, start=0)
         assert found.due(7) == 0
@@ -356,7 +356,7 @@ def test_the_clock_keeps_wall_time_times_its_speed(monkeypatch: pytest.MonkeyPat
 
 def test_a_clock_that_cannot_keep_up_falls_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = [0.0]
-    monkeypatch.setattr(clocks.time, "monotonic", lambda: wall[0])
+    monkeypatch.setattr(time, "monotonic", lambda: wall[0])
     found = Clock(start=0)
     assert found.due(7) == 0
     wall[0] += 10 * LATE

@@ -139,7 +139,7 @@ def traced(table: Table, origin: Array, directions: Array, reach: float) -> tupl
             if near[k] > ahead * flat + ROUNDING:
                 break
             i = found[k]
-            if kinds[i] == CYLINDER:
+            if kinds[i] == CYLINDER:  # the commonest kinds are met here: a table passed on costs more than its boxes
                 axis = numbers[i, 0], numbers[i, 1], numbers[i, 2]
                 t = upright(ray, axis, numbers[i, 3], numbers[i, 4])
             elif kinds[i] == BOX:

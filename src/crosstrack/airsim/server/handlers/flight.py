@@ -24,9 +24,17 @@ LARGEST = float(np.finfo(np.float32).max)
 def move_to_gps(
     vehicle: ServedVehicle, latitude: float, longitude: float, altitude: float, speed: float, *how: Any
 ) -> Move:
-    """Fly straight to a point of the earth (deg, deg, m); single precision puts it on a grid of half a metre or so."""
+    """Fly straight to a point of the earth (deg, deg, m).
+
+    As in AirSim everything is of single precision, even coordinates from the centre of the earth: the vehicle flies to a
+    point of a grid of half a metre or so.
+    """
     point = [float(np.float32(latitude)), float(np.float32(longitude)), altitude]
-    x, y, z = frames.ned_from_enu(frames.local_from_geodetic(point, vehicle.origin)).tolist()
+    home = [vehicle.home.latitude, vehicle.home.longitude, vehicle.home.altitude]
+    there, here = (frames.ecef_from_geodetic(place).astype(np.float32).astype(float) for place in (point, home))
+    exact_here = frames.ecef_from_geodetic(home)
+    enu = frames.local_from_geodetic(frames.geodetic_from_ecef(exact_here + there - here), vehicle.origin)
+    x, y, z = frames.ned_from_enu(enu).tolist()
     return path.move_to_position(vehicle, x, y, z, speed, *how)
 
 
