@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# AirSim's own client, which wants libraries of another age, for the scripts of tests/airsim/scripts.
+CLIENT := .venv-airsim
 JOBS ?= 2
 
 export PYTEST_ADDOPTS
@@ -13,16 +15,16 @@ demo: $(VENV)/installed
 
 # Types are checked while the tests run. Workers begin apart in the list of tests, so that what one of them has compiled
 # is there when another comes to need it.
-test: $(VENV)/installed-test style
+test: $(VENV)/installed-test $(CLIENT)/installed style
 	$(MAKE) --no-print-directory --jobs 2 types pytest
 
-pytest: $(VENV)/installed-test
+pytest: $(VENV)/installed-test $(CLIENT)/installed
 	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not slow"
 
-test-slow: $(VENV)/installed-slow
+test-slow: $(VENV)/installed-slow $(CLIENT)/installed
 	$(BIN)/pytest -n $(JOBS) -m slow --fail-on-skip
 
-bench: $(VENV)/installed-bench
+bench: $(VENV)/installed-bench $(CLIENT)/installed
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 comma := ,
@@ -86,6 +88,13 @@ $(VENV)/installed-bench: $(VENV)/bin/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,bench]"
 	touch $@ $(VENV)/installed-test $(VENV)/installed
 
+# Its setup imports what it depends on, and asks for more than it needs: hence in two steps, and without the rest.
+$(CLIENT)/installed: tests/airsim/scripts/requirements.txt | $(VENV)/bin/python
+	$(BIN)/python -m venv $(CLIENT)
+	$(CLIENT)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
+	$(CLIENT)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation airsim==1.8.1
+	touch $@
+
 clean:
-	rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) $(CLIENT) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find src tests benchmarks -name __pycache__ -prune -exec rm -rf {} +

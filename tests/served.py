@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 
 from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.server.serve import Server, simulator_of, warm_up
@@ -10,6 +11,12 @@ from crosstrack.airsim.server.settings import Settings, parse
 from crosstrack.mission.airsim import airsim_settings
 from crosstrack.mission.mission import Mission
 from crosstrack.world.world import World
+
+
+@cache
+def warmed() -> None:
+    """Have everything compiled, once."""
+    warm_up(None)
 
 
 @contextmanager
@@ -20,17 +27,25 @@ def serving(
     lockstep: bool = True,
     ideal: bool = False,
     radius: float = RADIUS,
+    clock_speed: float | None = None,
 ) -> Iterator[Server]:
     """Serve a world, by default without any obstacle, until the block ends."""
-    warm_up(world)
-    simulator = simulator_of(settings or parse("{}"), world or World(), lockstep=lockstep, ideal=ideal, radius=radius)
+    warmed()
+    simulator = simulator_of(
+        settings or parse("{}"),
+        world or World(),
+        lockstep=lockstep,
+        ideal=ideal,
+        radius=radius,
+        clock_speed=clock_speed,
+    )
     with Server(simulator) as server:
         yield server
 
 
 @contextmanager
-def serving_mission(mission: Mission, *, lockstep: bool = True) -> Iterator[Server]:
+def serving_mission(mission: Mission, *, lockstep: bool = True, clock_speed: float | None = None) -> Iterator[Server]:
     """Serve the world of a mission, with the vehicles that it needs."""
     settings, radius = parse(json.dumps(airsim_settings(mission))), mission.vehicle.radius
-    with serving(mission.obstacles, settings, lockstep=lockstep, radius=radius) as server:
+    with serving(mission.obstacles, settings, lockstep=lockstep, radius=radius, clock_speed=clock_speed) as server:
         yield server

@@ -153,8 +153,8 @@ def test_mixed_signals_are_within_range_and_keep_the_torques_in_proportion(
     rows["control"] = (*torques, throttle)
     mix(rows[0])
     front_right, rear_left, front_left, rear_right = signals = rows["signal"][0]
-    assert signals.min() >= -1e-12
-    assert signals.max() <= 1 + 1e-12
+    assert signals.min() >= -1e-7
+    assert signals.max() <= 1 + 1e-7
     given_back = np.array(
         [
             rear_left + front_left - front_right - rear_right,
@@ -165,9 +165,9 @@ def test_mixed_signals_are_within_range_and_keep_the_torques_in_proportion(
     wanted = 4 * np.array(torques)
     size = float(wanted @ wanted)
     scale = float(given_back @ wanted) / size if size else 1.0
-    if size > 1e-12:
-        assert 0 < scale <= 1 + 1e-9
-    assert given_back == pytest.approx(scale * wanted, abs=1e-9)
+    if size > 1e-3:
+        assert 0 < scale <= 1 + 1e-6
+    assert given_back == pytest.approx(scale * wanted, abs=1e-6)
 
 
 def test_low_throttle_drives_all_motors_alike() -> None:

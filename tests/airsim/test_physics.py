@@ -120,8 +120,8 @@ def test_free_rotation_keeps_momentum_and_energy(rate: tuple[float, float, float
 
     before, energy = momentum(), inertia @ np.square(rate)
     go(rows, 1.0)
-    assert momentum() == pytest.approx(before, rel=2e-2, abs=2e-4)
-    assert inertia @ rows["rate"][0] ** 2 == pytest.approx(energy, rel=2e-2, abs=1e-6)
+    assert momentum() == pytest.approx(before, rel=4e-2, abs=4e-4)
+    assert inertia @ rows["rate"][0] ** 2 == pytest.approx(energy, rel=4e-2, abs=1e-6)
     assert np.linalg.norm(rows["attitude"][0]) == pytest.approx(1.0, abs=1e-12)
 
 

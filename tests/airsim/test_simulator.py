@@ -276,6 +276,21 @@ def test_a_wall_is_hit_as_a_ball_does() -> None:
     assert 0 < found.time_stamp <= aloft.simulator.now
 
 
+def test_without_collisions_walls_are_flown_through_and_the_ground_still_holds() -> None:
+    class Ghost:
+        enable_collisions = False
+
+    simulator = Simulator(Scene(WALL), Clock(lockstep=True))
+    vehicle = simulator.add_vehicle("", Pose(), settings=Ghost())
+    vehicle.quadrotor.take_control(True)
+    simulator.fly(vehicle, vertical.take_off(vehicle, 20))
+    simulator.fly(vehicle, velocity.move_by_velocity(vehicle, 3, 0, 0, 5, 0, AS_IT_IS))
+    assert vehicle.quadrotor.position[0] > 9
+    simulator.idle(3.0)
+    simulator.fly(vehicle, vertical.land(vehicle, 60))
+    assert vehicle.quadrotor["grounded"]
+
+
 def test_reading_a_collision_clears_that_there_was_one() -> None:
     aloft = hovering(-5.0, WALL)
     aloft.fly(towards_wall(aloft))

@@ -32,9 +32,14 @@ class Drawing(Observer):
     def __init__(self, vehicle: AirSim) -> None:
         self.vehicle = vehicle
         self.client: Client | None = None
+        self.plan: Plan | None = None
         self.due = 0.0
 
     def begin(self, plan: Plan) -> None:
+        """Take note of what is planned; it is drawn when the vehicle is there."""
+        self.plan = plan
+
+    def draw(self, plan: Plan) -> None:
         """Draw what is planned."""
         with suppress(LinkLost):
             self.client = Client(self.vehicle.host, self.vehicle.port, timeout=TIMEOUT)
@@ -45,6 +50,9 @@ class Drawing(Observer):
 
     def sample(self, row: Sample) -> None:
         """Draw the point chased, and a new course."""
+        if self.plan is not None:
+            self.draw(self.plan)
+            self.plan = None
         try:
             if row.course is not None:
                 self.line(row.course, PLANNED)

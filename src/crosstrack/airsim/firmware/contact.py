@@ -58,7 +58,7 @@ def land(p: Rows, velocity: Triple) -> None:
 
 
 @compiled
-def bounce(p: Rows, v: Triple, w: Triple, landing: bool, h: float) -> None:
+def bounce(p: Rows, v: Triple, w: Triple, h: float) -> None:
     """Push the vehicle off what it touched, given its velocity (world) and its rate (body) at the end of the step."""
     q = (p.attitude[0], p.attitude[1], p.attitude[2], p.attitude[3])
     normal = (p.contact_normal[0], p.contact_normal[1], p.contact_normal[2])
@@ -68,12 +68,12 @@ def bounce(p: Rows, v: Triple, w: Triple, landing: bool, h: float) -> None:
     u, turn = to_body(v, q), cross(w, r)
     slip = (u[0] + turn[0], u[1] + turn[1], u[2] + turn[2])
     into = dot(slip, n)
-    push = -into * (1 + (0.0 if landing else RESTITUTION)) / resistance(r, n)
+    push = -into * (1 + RESTITUTION) / resistance(r, n)
     tangent = (slip[0] - n[0] * into, slip[1] - n[1] * into, slip[2] - n[2] * into)
     speed = math.sqrt(dot(tangent, tangent))
     if speed > 0:
         tangent = (tangent[0] / speed, tangent[1] / speed, tangent[2] / speed)
-    grip = -speed * (1.0 if landing else FRICTION) / resistance(r, tangent)
+    grip = -speed * FRICTION / resistance(r, tangent)
     along, lever, drag_lever = to_world(tangent, q), cross(r, n), cross(r, tangent)
     for k in range(3):
         p.velocity[k] = v[k] + (normal[k] * push + along[k] * grip) / MASS
@@ -102,4 +102,4 @@ def respond(p: Rows, v: Triple, w: Triple, before: Quaternion, h: float) -> None
     if level and v[2] > abs(v[0]) and v[2] > abs(v[1]):
         land(p, v)
     else:
-        bounce(p, v, w, False, h)
+        bounce(p, v, w, h)

@@ -45,15 +45,16 @@ class Feeler:
         self._free = 0.0
         self._last: Array | None = None
 
-    def feel(self, scene: Scene, position: Array, grounded: bool) -> Hit | None:
-        """Return what a vehicle has hit on its way to a position (3,) m, world NED."""
+    def feel(self, scene: Scene, position: Array, grounded: bool, solid: bool = True) -> Hit | None:
+        """Return what a vehicle has hit on its way to a position (3,) m, world NED; only the ground where not solid."""
         last = position if self._last is None else self._last
         self._last = position
         if grounded:
             return None
         floor = -scene.ground
         found = ground_hit(scene, last, position, floor) if position[2] > floor else None
-        found = found or self._obstacle(scene, last, position)
+        if found is None and solid:
+            found = self._obstacle(scene, last, position)
         if found is not None:
             self._last = found.position  # it got no farther, whatever its body thinks
         return found

@@ -12,8 +12,7 @@ from crosstrack.airsim.scene.cameras.settings import IMAGE_TYPES
 from crosstrack.airsim.scene.scene import Scene
 from crosstrack.airsim.server.clock import Clock
 from crosstrack.airsim.server.dispatch import Dispatcher
-from crosstrack.airsim.server.handlers import HANDLERS
-from crosstrack.airsim.server.handlers.aboard import equipment
+from crosstrack.airsim.server.handlers import HANDLERS, recording
 from crosstrack.airsim.server.settings import Settings, parse
 from crosstrack.airsim.server.simulator import Simulator
 from crosstrack.airsim.server.transport import Listener
@@ -61,7 +60,7 @@ def simulator_of(
     for name, vehicle in settings.fleet().items():
         armed = DISARMED if vehicle.default_vehicle_state == "Disarmed" else ARMED
         simulator.add_vehicle(name, vehicle.start, armed, vehicle)
-    equipment(simulator)
+    recording.prepare(simulator)
     return simulator
 
 
@@ -86,6 +85,7 @@ async def serve(simulator: Simulator, host: str, port: int, ready: Callable[[int
     try:
         await simulator.run()
     finally:
+        recording.stop(simulator)
         await listener.close()
 
 

@@ -19,7 +19,7 @@ from crosstrack.airsim.firmware.rows import ARMED
 from crosstrack.airsim.server.clock import Clock
 from crosstrack.airsim.server.errors import Refused
 from crosstrack.airsim.server.moves.polling import Move
-from crosstrack.airsim.server.task import NEVER, ignore
+from crosstrack.airsim.server.task import NEVER
 from crosstrack.airsim.server.vehicle import ServedVehicle
 from crosstrack.airsim.structs import Pose
 from crosstrack.frames import Origin
@@ -163,10 +163,6 @@ class Simulator:
         if error is not None:
             raise error
         return bool(value)
-
-    def start(self, vehicle: ServedVehicle, move: Move) -> None:
-        """Start a move whose answer nobody waits for."""
-        vehicle.slot.begin(move, self.now, ignore)
 
     def idle(self, seconds: float) -> None:
         """Fly on for a time (s) at once."""

@@ -1,7 +1,6 @@
 """The rule that a vehicle does one move at a time: a new one cancels the one under way, which answers at once."""
 
 from collections.abc import Callable
-from typing import Any
 
 from crosstrack.airsim.server.moves.polling import Move
 
@@ -74,7 +73,3 @@ class Slot:
     def _drop(self, task: Task | None) -> None:
         if task is not None and task.over and self.task is task:
             self.task = None
-
-
-def ignore(value: Any, error: Exception | None) -> None:
-    """Take an answer that nobody waits for."""

@@ -139,6 +139,7 @@ class ServedVehicle:
     def feel(self, scene: Any) -> None:
         """Find out whether it has hit something since it was last asked."""
         position = self.start.position + self.quadrotor.position
-        hit = self.feeler.feel(scene, position, bool(self.quadrotor["grounded"]))
+        solid = getattr(self.settings, "enable_collisions", True)
+        hit = self.feeler.feel(scene, position, bool(self.quadrotor["grounded"]), solid)
         if hit is not None:
             self.collision = touch(self.quadrotor, hit, self.start.position, self.now)

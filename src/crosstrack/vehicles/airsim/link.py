@@ -52,6 +52,9 @@ class Link:
         self.settings: Mapping[str, Any] = vehicles.get(self.name, {})
         self.home = enu_from_ned([float(self.settings.get(key) or 0.0) for key in "XYZ"])
         """(3,) m, world, where the vehicle's own frame begins"""
+        client.pause(False)
+        if not scenario.name:
+            client.reset()  # whatever the last flight left; with several, the others fly already
         client.enable_api_control(True, self.name)
         client.arm_disarm(True, self.name)
         here = client.get_ground_truth_environment(self.name)

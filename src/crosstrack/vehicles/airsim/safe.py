@@ -18,6 +18,8 @@ TAKEOFF, LANDING = 20.0, 120.0
 """s that AirSim is given for them"""
 NO_END = 3600.0
 """s of the wall, for calls that AirSim ends itself"""
+LEVEL = 0.01
+"""m, above the ground, up to which a start is on it"""
 LOW = 1.5
 """m, above the ground, from where AirSim lands by itself, slowly"""
 SINKING = 1.5
@@ -39,15 +41,12 @@ def go_to_start(link: Link, scenario: Scenario, put: bool) -> None:
         InputError: it does not get there.
     """
     start, ground = scenario.position, scenario.world.ground
-    if start[2] <= ground + 0.01:
-        if put:
-            link.put(start)
-        return
-    _, state = link.state()
-    if state.position[2] < ground + LOW:
-        take_off(link)
     if put:
         link.put(start)
+    if start[2] <= ground + LEVEL:
+        return
+    if not put and link.state()[1].position[2] < ground + LOW:
+        take_off(link)
     reach(link, start, scenario.period)
 
 

@@ -26,8 +26,8 @@ def move_to_gps(
 ) -> Move:
     """Fly straight to a point of the earth (deg, deg, m).
 
-    As in AirSim everything is of single precision, even coordinates from the centre of the earth: the vehicle flies to a
-    point of a grid of half a metre or so.
+    As in AirSim everything is of single precision, even coordinates from the centre of the earth: the vehicle flies
+    to a point of a grid of half a metre or so.
     """
     point = [float(np.float32(latitude)), float(np.float32(longitude)), altitude]
     home = [vehicle.home.latitude, vehicle.home.longitude, vehicle.home.altitude]

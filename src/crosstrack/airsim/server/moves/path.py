@@ -13,8 +13,8 @@ distance beside the line to the carrot, times `adaptive`, is added to the lookah
 - A goal nearer than the lookahead is reached before it is begun: nothing moves, and the answer is false.
 
 Here AirSim goes by chance, and this does not: a vehicle that has all but stopped short of the goal creeps on towards
-it (some millimetres a second, for minutes, as its firmware forgets), unless it overshot by as little. Such creeping
-counts as standing.
+it (some millimetres a second, for minutes, as its firmware forgets), unless it overshot by as little. Here such
+creeping ends after seconds.
 
 An ideal vehicle slows down in proportion to what is left of the way, goes on to the last point itself, whatever its
 distance, and answers true there.
@@ -42,7 +42,9 @@ LEAST_LOOKAHEAD = 1.5 * ACCURACY
 FAST, SLOW = 3.0, 1.0
 """m/s: faster than the first, the speed is the second once no way is left"""
 CREEP = 1e-4
-"""m, of progress between two looks, up to which it stands"""
+"""m, of progress between two looks, up to which it creeps"""
+PATIENCE = 240
+"""looks in a row, some five seconds, for which creeping towards the end goes on"""
 BRAKING = 0.4
 """1/s, speed over what is left of the way, of an ideal vehicle"""
 ARRIVED = 0.05
@@ -156,6 +158,8 @@ class Chase:
     """m, towards the carrot since the last look; negative away from it"""
     error: float = 0.0
     """m, what the lookahead is longer by"""
+    crept: int = 0
+    """looks in a row with next to no progress, the carrot at the end"""
     complete: bool = False
     """whether the progress has come to the carrot itself"""
 
@@ -176,6 +180,12 @@ class Chase:
         if self.made >= 0:
             self.progress = self.legs.ahead(self.progress, self.made)
         self.carrot = self.legs.ahead(self.progress, self.lookahead + self.error)
+        self.crept = self.crept + 1 if self.made < CREEP and self.legs.ended(self.carrot) else 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether the carrot is at the end, and the vehicle no longer gets nearer."""
+        return self.legs.ended(self.carrot) and (self.made <= 0 or self.crept > PATIENCE)
 
 
 def move_on_path(
@@ -210,7 +220,7 @@ def move_on_path(
 def chase_carrot(vehicle: Flown, chase: Chase, speed: float, polling: Polling, drivetrain: int, mode: YawMode) -> Move:
     """Fly at the carrot until it and the vehicle have come to the end."""
     legs = chase.legs
-    while not polling.over() and (not legs.ended(chase.carrot) or chase.made > CREEP):
+    while not polling.over() and not chase.ended:
         late = speed > FAST and legs.ended(chase.progress)
         fly_at(vehicle, chase.carrot.point, SLOW if late else speed, drivetrain, mode)
         if not (yield from polling.sleep()):

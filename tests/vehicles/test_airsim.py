@@ -1,0 +1,271 @@
+"""Missions flown through AirSim's protocol, against the server, beside the same missions in the embedded simulator."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from served import serving, serving_mission
+
+import crosstrack as ct
+from crosstrack import mission as missions
+from crosstrack.airsim import Client
+from crosstrack.airsim.firmware.rows import DISARMED
+from crosstrack.airsim.server.serve import Server
+from crosstrack.airsim.server.settings import parse
+from crosstrack.errors import InputError, LinkLost
+from crosstrack.flight.flight import Flight
+from crosstrack.flight.recording import read_log
+from crosstrack.flight.summary import summary
+from crosstrack.mission.mission import Mission
+from crosstrack.types import Outcome
+from crosstrack.vehicles.airsim.vehicle import AirSim
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+HOP = """
+start: {position: [0, 0, 4], yaw: 0.5}
+route: [[6, 0, 4], [6, 5, 5]]
+speed: 3
+"""
+
+
+def in_airsim(mission: Mission, server: Server, **options: Any) -> Mission:
+    """Return the mission with the one word changed, and where the server is."""
+    return replace(mission, vehicle=AirSim(port=server.port, after="hover", **options))
+
+
+def both(mission: Mission, how: dict[str, Any] | None = None, **options: Any) -> tuple[Flight, Flight]:
+    """Fly a mission in the embedded simulator and in AirSim."""
+    with serving_mission(mission, **(how or {})) as server:
+        return ct.fly(mission), ct.fly(in_airsim(mission, server, **options))
+
+
+def check(embedded: Flight, flown: Flight) -> None:
+    """Hold a flight to what the embedded one does."""
+    mine, theirs = summary(flown), summary(embedded)
+    assert flown.outcome is Outcome.ARRIVED
+    assert mine["flight_time_s"] == pytest.approx(theirs["flight_time_s"], rel=0.1)
+    assert mine["cross_track_rms_m"] <= 1.5 * theirs["cross_track_rms_m"] + 0.05
+
+
+@pytest.mark.parametrize("name", ["square", "figure_eight", "airsim_path", "snap_slalom", "jerk_eight", "rooms"])
+def test_missions_fly_as_in_the_embedded_simulator(name: str) -> None:
+    """Routes with corners, a figure that crosses itself, trajectories by the clock, an image map."""
+    check(*both(missions.load(EXAMPLES / f"{name}.yaml")))
+
+
+def test_an_unknown_forest_is_flown_by_what_airsim_s_lidar_sees() -> None:
+    """The demonstration: planned, replanned for what is on no map, guarded; all through the protocol."""
+    embedded, flown = both(missions.load(EXAMPLES / "demo.yaml"))
+    check(embedded, flown)
+    numbers = summary(flown)
+    assert numbers["min_clearance_m"] >= 0.2
+    assert numbers["replans"] >= 1
+    assert len(flown.seen) > 20
+
+
+def test_trackers_that_command_rates_and_attitudes_fly_too() -> None:
+    for kind in ("cascaded_pid", "mpc"):
+        mission = missions.load(EXAMPLES / "snap_slalom.yaml", [f"tracker={{kind: {kind}}}"])
+        embedded, flown = both(mission)
+        assert flown.outcome is Outcome.ARRIVED
+        assert summary(flown)["tracking_rms_m"] <= 1.5 * summary(embedded)["tracking_rms_m"] + 0.1
+
+
+def test_airsim_s_own_velocity_loop_gets_there_less_closely() -> None:
+    embedded, flown = both(missions.load(EXAMPLES / "airsim_path.yaml"), level="velocity")
+    assert flown.outcome is Outcome.ARRIVED
+    assert summary(embedded)["cross_track_rms_m"] < summary(flown)["cross_track_rms_m"] < 0.3
+
+
+@pytest.mark.parametrize("how", [{"lockstep": False, "clock_speed": 3.0}, {"lockstep": False}])
+@pytest.mark.parametrize("stepping", ["running", "paused"])
+def test_other_clocks_are_handled(how: dict[str, Any], stepping: str) -> None:
+    """A clock that runs on by itself, faster than real time, and one that is stopped between two commands."""
+    _, flown = both(missions.loads(HOP), how, stepping=stepping)
+    assert flown.outcome is Outcome.ARRIVED
+    assert summary(flown)["cross_track_rms_m"] < 0.3
+
+
+def test_it_can_be_flown_to_the_start() -> None:
+    mission = missions.loads("start: {position: [4, 3, 5]}\nroute: [[8, 3, 5]]\n")
+    with serving() as server:
+        flown = ct.fly(in_airsim(mission, server, begin="fly"))
+    assert flown.outcome is Outcome.ARRIVED
+    np.testing.assert_allclose(flown.record.position[0], [4, 3, 5], atol=0.06)
+
+
+def test_a_flight_begins_on_the_ground_where_the_mission_says_so() -> None:
+    mission = missions.loads("start: {position: [2, 1, 3], takeoff: true}\nroute: [[6, 1, 3]]\n")
+    embedded, flown = both(mission)
+    check(embedded, flown)
+    assert flown.record.position[0, 2] < 0.2
+
+
+def test_wind_is_told_and_withstood() -> None:
+    mission = missions.loads(HOP + "wind: {mean: [3, -4, 0], gusts: light}\n")
+    with serving() as server:
+        flown = ct.fly(in_airsim(mission, server))
+        assert not server.simulator.wind.any()
+    assert flown.outcome is Outcome.ARRIVED
+    assert summary(flown)["cross_track_rms_m"] < 0.3
+    assert np.std(flown.record.wind, axis=0).max() > 0.1
+
+
+def test_several_vehicles_fly_together_and_are_added_where_airsim_has_none() -> None:
+    text = """
+avoid: [{kind: orca}]
+speed: 2
+vehicles:
+  - {name: a, start: {position: [-4, 0, 5]}, route: [[4, 0, 5]]}
+  - {name: b, start: {position: [4, 0.2, 5]}, route: [[-4, 0.2, 5]]}
+  - {name: c, start: {position: [0, -4, 5]}, route: [[0, 4, 5]]}
+"""
+    with serving() as server:
+        mission = in_airsim(missions.loads(text), server, stepping="paused")
+        flights = ct.fly_together(mission)
+        assert {"a", "b", "c"} <= set(server.simulator.vehicles)
+    assert [flight.outcome for flight in flights] == [Outcome.ARRIVED] * 3
+    for flight in flights:
+        assert np.diff(flight.record.time).max() < 0.05  # each gets its commands in time
+        assert flight.record.separation.min() > 0.4
+
+
+def test_after_a_flight_the_vehicle_stands_disarmed_on_the_ground() -> None:
+    with serving() as server:
+        mission = replace(missions.loads(HOP), vehicle=AirSim(port=server.port))
+        assert ct.fly(mission).outcome is Outcome.ARRIVED
+        vehicle = server.simulator.vehicle("")
+        assert vehicle.kinematics().position[2] > -0.1
+        assert np.linalg.norm(vehicle.kinematics().linear_velocity) < 0.1
+        assert vehicle.quadrotor["armed"] == DISARMED
+
+
+def test_path_aims_and_trail_are_drawn() -> None:
+    with serving() as server:
+        ct.fly(in_airsim(missions.loads(HOP), server))
+        drawn = server.simulator.scene.markers.drawn
+        assert "SimpleFlight" in server.simulator.scene.markers.traces
+    lines = [mark for mark in drawn if type(mark).__name__ == "LineStrip" or getattr(mark, "kind", "") == "line_strip"]
+    assert lines or drawn
+    with serving() as server:
+        ct.fly(in_airsim(missions.loads(HOP), server, draw=False))
+        assert not server.simulator.scene.markers.drawn
+
+
+def test_what_is_hit_ends_the_flight() -> None:
+    mission = missions.loads(HOP + "world: {shapes: [{box: {min: [4, -2, 0], max: [4.5, 2, 6]}}]}\n")
+    _, flown = both(mission)
+    assert flown.outcome is Outcome.COLLIDED
+
+
+def test_sensors_that_airsim_does_not_have_are_named_with_what_to_write() -> None:
+    mission = missions.loads(HOP + "sensors: [{kind: lidar}]\nmap: unknown\n")
+    with serving() as server, pytest.raises(InputError, match=r"Sensors\.Lidar0: is missing; write .*NumberOfChannels"):
+        ct.fly(in_airsim(mission, server))
+    wrong = parse('{"Vehicles": {"A": {"VehicleType": "SimpleFlight", "Sensors": {"Lidar0": {"SensorType": 6}}}}}')
+    with serving(settings=wrong) as server, pytest.raises(InputError, match="NumberOfChannels"):
+        ct.fly(in_airsim(mission, server))
+
+
+def test_without_a_server_the_link_is_lost_at_once() -> None:
+    mission = replace(missions.loads(HOP), vehicle=AirSim(port=1))
+    began = time.monotonic()
+    with pytest.raises(LinkLost, match=r"no server at 127\.0\.0\.1:1"):
+        ct.fly(mission)
+    assert time.monotonic() - began < 30.0
+
+
+def crosstrack(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "crosstrack", *map(str, arguments)]
+
+
+@contextmanager
+def started(*more: str) -> Iterator[tuple[Any, int]]:
+    """Start the command's server on a free port."""
+    command = crosstrack("serve", "--port", 0, *more)
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    try:
+        line = ""
+        while "Serving" not in line:
+            line = process.stderr.readline()
+            assert line, "the server has ended"
+        yield process, int(line.split(":")[1].split(",")[0])
+    finally:
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
+def test_a_server_that_dies_in_mid_flight_leaves_log_and_report_and_another_one_flies_on(tmp_path: Path) -> None:
+    mission = tmp_path / "far.yaml"
+    mission.write_text("start: {position: [0, 0, 4]}\nroute: [[400, 0, 4]]\nspeed: 3\n")
+
+    def flying(port: int) -> Any:
+        kind = f"vehicle={{kind: airsim, port: {port}, after: hover}}"
+        command = crosstrack("fly", mission, "--out", tmp_path, "--set", kind)
+        return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+
+    with started() as (server, port):
+        flight = flying(port)
+        while "Flying" not in (flight.stderr.readline() or "Flying"):
+            pass
+        time.sleep(2.0)
+        os.kill(server.pid, signal.SIGKILL)
+        killed = time.monotonic()
+        while "Lost the link" not in (line := flight.stderr.readline()):
+            assert line
+        lost = time.monotonic() - killed
+        assert flight.wait(60) == 5
+        flight.stderr.close()
+    assert lost < 10.0  # two seconds on a machine that is free, see the benchmark
+    assert (tmp_path / "report.html").stat().st_size > 1000
+    assert '"outcome": "link_lost"' in (tmp_path / "summary.json").read_text()
+    assert len(read_log(tmp_path / "flight.mcap").record.time) > 20
+    mission.write_text(HOP)
+    with started("--lockstep") as (_, port):
+        again = flying(port)
+        assert again.wait(120) == 0
+        again.stderr.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--port", "70000"], "--port: must be from 0, any free one, to 65535; found 70000"),
+        (["--clock-speed", "0"], "--clock-speed: must be from 0.01 to 1000; found 0"),
+        (["--settings", "nowhere.json"], "nowhere.json"),
+        (["--world", "nowhere.yaml"], "nowhere.yaml"),
+    ],
+)
+def test_wrong_flags_are_named(arguments: list[str], words: str) -> None:
+    done = subprocess.run(crosstrack("serve", *arguments), capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_port_in_use_is_named() -> None:
+    with serving() as server:
+        done = subprocess.run(crosstrack("serve", "--port", server.port), capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "in use" in done.stderr
+
+
+def test_settings_of_a_mission_can_be_written_and_served(tmp_path: Path) -> None:
+    out = tmp_path / "settings.json"
+    done = subprocess.run(crosstrack("export", EXAMPLES / "demo.yaml", out), capture_output=True, text=True, check=True)
+    assert str(out) in done.stdout
+    given = parse(out.read_text())
+    assert given.fleet()["SimpleFlight"].sensors["Lidar0"].sensor_type == 6
+    with serving(settings=given) as server, Client(port=server.port) as client:
+        assert client.get_lidar_data("Lidar0").time_stamp >= 0
