@@ -80,10 +80,10 @@ class AirSimSession:
     def begin(self, command: Command, duration: float) -> None:
         """Send a command to fly for a time (s), without waiting for it."""
         if self.began is None:
-            self.began = self.stamp
             if self.vehicle.stepping == "paused":
                 self.client.pause(True)
                 self.paused = True
+            self.began = self.stamp = self.link.state()[0]  # others may have been launched since
         duration /= self.parts(command, duration)
         held = duration if not self.paused else 2 * duration
         if isinstance(command, Setpoint) and self.vehicle.level == "velocity":
