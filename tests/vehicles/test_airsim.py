@@ -217,9 +217,8 @@ def test_a_server_that_dies_in_mid_flight_leaves_log_and_report_and_another_one_
 
     with started() as (server, port):
         flight = flying(port)
-        while "Flying" not in (flight.stderr.readline() or "Flying"):
-            pass
-        time.sleep(2.0)
+        while " s flown" not in (line := flight.stderr.readline()):
+            assert line
         os.kill(server.pid, signal.SIGKILL)
         killed = time.monotonic()
         while "Lost the link" not in (line := flight.stderr.readline()):
@@ -230,7 +229,7 @@ def test_a_server_that_dies_in_mid_flight_leaves_log_and_report_and_another_one_
     assert lost < 10.0  # two seconds on a machine that is free, see the benchmark
     assert (tmp_path / "report.html").stat().st_size > 1000
     assert '"outcome": "link_lost"' in (tmp_path / "summary.json").read_text()
-    assert len(read_log(tmp_path / "flight.mcap").record.time) > 20
+    assert len(read_log(tmp_path / "flight.mcap").record.time) > 10
     mission.write_text(HOP)
     with started("--lockstep") as (_, port):
         again = flying(port)

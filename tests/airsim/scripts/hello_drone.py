@@ -18,6 +18,7 @@ print(client.getImuData(), client.getBarometerData(), client.getMagnetometerData
 assert "SimMode" in client.getSettingsString() or client.getSettingsString() == "{}"
 
 client.takeoffAsync().join()
+client.simGetCollisionInfo()  # the ground that it stood on is forgotten when it is read
 began = clock(client)
 client.moveToPositionAsync(-5, 5, -8, 4).join()
 assert clock(client) - began < 6

@@ -60,6 +60,7 @@ assert all(len(mesh.vertices) % 3 == 0 and len(mesh.indices) % 3 == 0 for mesh i
 
 client.moveToPositionAsync(0, 0, -2.5, 1).join()
 wall = client.simSpawnObject("Barrier", "Cube", pose(6), airsim.Vector3r(1, 8, 8))
+client.simGetCollisionInfo()  # the ground that it stood on is forgotten when it is read
 assert not client.simGetCollisionInfo().has_collided
 client.moveByVelocityAsync(3, 0, 0, 4).join()
 hit = client.simGetCollisionInfo()

@@ -71,7 +71,7 @@ assert 0.1 < ahead.std() < 0.4
 below = many(lambda: client.getDistanceSensorData("Below").distance)
 assert abs(below.mean() + place[2]) < 0.2, (below.mean(), place)
 up = client.getDistanceSensorData("Above")
-assert up.distance == up.max_distance, "nothing is up there"
+assert abs(up.distance - up.max_distance) < 1, "nothing is up there"
 north = field.mean(axis=0)
 client.rotateToYawAsync(90).join()
 wait(client, 3)
