@@ -6,6 +6,8 @@ import shlex
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -31,6 +33,21 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@contextmanager
+def serving(words: list[str]) -> Iterator[None]:
+    """Run a command in the background until the block ends; it says when it serves."""
+    process = subprocess.Popen([sys.executable, "-m", *words], stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    try:
+        while "Serving" not in (line := process.stderr.readline()):
+            assert line, f"{shlex.join(words)} has ended"
+        yield
+    finally:
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
 @pytest.mark.parametrize(("kind", "text"), BLOCKS)
 def test_a_block_runs(kind: str, text: str, workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "python":
@@ -41,13 +58,17 @@ def test_a_block_runs(kind: str, text: str, workplace: Path, monkeypatch: pytest
         assert done.stdout
     elif kind == "console":
         commands = [line.removeprefix("$ ") for line in text.splitlines()]
-        for command in commands:
-            words = shlex.split(command, comments=True)
-            assert words[0] == "crosstrack"
-            done = subprocess.run(
-                [sys.executable, "-m", *words], check=False, capture_output=True, text=True, env=os.environ
-            )
-            assert done.returncode == 0, f"{command}\n{done.stderr}"
+        with ExitStack() as background:
+            for command in commands:
+                words = shlex.split(command, comments=True)
+                assert words[0] == "crosstrack"
+                if words[-1] == "&":
+                    background.enter_context(serving(words[:-1]))
+                    continue
+                done = subprocess.run(
+                    [sys.executable, "-m", *words], check=False, capture_output=True, text=True, env=os.environ
+                )
+                assert done.returncode == 0, f"{command}\n{done.stderr}"
     elif kind == "yaml":
         assert ct.fly(ct.loads(text)).outcome is ct.Outcome.ARRIVED
     elif kind == "sh":

@@ -30,7 +30,6 @@ EDGES = {
     ("vehicles", "sim"),
     ("vehicles", "airsim"),
     ("vehicles", "sense"),
-    ("airsim", "sim"),
     ("airsim", "world"),
     ("sim", "world"),
     ("follow", "path"),

@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from crosstrack.airsim.client.blocking import Client as Client
     from crosstrack.airsim.client.blocking import Pending as Pending
     from crosstrack.airsim.client.errors import RemoteError as RemoteError
+    from crosstrack.airsim.server.serve import Server as Server
+    from crosstrack.airsim.server.serve import simulator_of as simulator_of
+    from crosstrack.airsim.server.settings import Settings as Settings
     from crosstrack.airsim.structs import GeoPoint as GeoPoint
     from crosstrack.airsim.structs import ImageRequest as ImageRequest
     from crosstrack.airsim.structs import KinematicsState as KinematicsState
@@ -26,7 +29,10 @@ __all__ = [
     "Pose",
     "RCData",
     "RemoteError",
+    "Server",
+    "Settings",
     "YawMode",
+    "simulator_of",
 ]
 STRUCTS = ["GeoPoint", "ImageRequest", "KinematicsState", "Pose", "RCData", "YawMode"]
 """those that a caller makes; the others are answers"""
@@ -38,6 +44,9 @@ __getattr__, __dir__ = lazily(
         "Client": "client.blocking",
         "Pending": "client.blocking",
         "RemoteError": "client.errors",
+        "Server": "server.serve",
+        "Settings": "server.settings",
+        "simulator_of": "server.serve",
         **dict.fromkeys(STRUCTS, "structs"),
     },
 )

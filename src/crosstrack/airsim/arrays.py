@@ -115,7 +115,9 @@ class Singles:
         return array_header(len(numbers)) + out.tobytes()
 
     def unpack(self, wire: object) -> NDArray[np.float32]:
-        """Return the numbers of a list."""
+        """Return the numbers of a list, or an array that was decoded as one already."""
+        if isinstance(wire, np.ndarray):
+            return np.asarray(wire, np.float32)
         given = listed(wire)
         if not NUMBERS.issuperset(map(type, given)):
             raise BadCast("a list of numbers holds something else")

@@ -4,7 +4,7 @@ A request is `[0, id, name, arguments]`, a reply `[1, id, error, result]`, a not
 follow one another without framing. What a request is, its length tells: the number in front is not looked at.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,6 +111,14 @@ def decode(message: bytes) -> Any:
     Raises:
         BadStream: it cannot be decoded, has keys that are no text, or too many lists and maps.
     """
+    try:
+        return msgpack.unpackb(message, unicode_errors="surrogateescape", **limits(message))
+    except (ValueError, OverflowError, msgpack.UnpackException) as error:
+        raise BadStream(f"a message that cannot be decoded: {error}") from None
+
+
+def limits(message: bytes) -> dict[str, Callable[[Any], Any]]:
+    """Return options of msgpack by which a message with too many lists and maps is a `BadStream`."""
     containers = 0
 
     def counted(container: Any) -> Any:
@@ -120,11 +128,7 @@ def decode(message: bytes) -> Any:
             raise BadStream(f"more than {MOST_CONTAINERS} lists and maps in a message")
         return container
 
-    hooks = {"list_hook": counted, "object_hook": counted} if len(message) > MOST_CONTAINERS else {}
-    try:
-        return msgpack.unpackb(message, unicode_errors="surrogateescape", **hooks)
-    except (ValueError, OverflowError, msgpack.UnpackException) as error:
-        raise BadStream(f"a message that cannot be decoded: {error}") from None
+    return {"list_hook": counted, "object_hook": counted} if len(message) > MOST_CONTAINERS else {}
 
 
 class Stream:

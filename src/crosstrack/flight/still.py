@@ -60,13 +60,13 @@ def marker(message: Builder, number: int, mesh: Mesh) -> None:
     trimmings(message)
 
 
-def trimmings(message: Builder) -> None:
-    """Append the end of a Marker, from texture_resource on, all empty."""
+def trimmings(message: Builder, text: str = "") -> None:
+    """Append the end of a Marker, from texture_resource on, all empty but its text."""
     message.text("")
     header(message)
     message.text("")
     message.put("<u4", 0, 0)
-    message.text("")
+    message.text(text)
     message.text("")
     message.text("")
     message.put("<u4", 0)

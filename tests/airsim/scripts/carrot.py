@@ -8,6 +8,7 @@ heading goes to it, and an extra sideways speed is in proportion to how far the 
 import json
 import math
 import sys
+from itertools import pairwise
 
 import airsim
 import numpy as np
@@ -36,7 +37,7 @@ def chase(client, speed, corners):
     state = client.simGetGroundTruthKinematics()
     heading = airsim.to_eularian_angles(state.orientation)[2]
     way = [(state.position.x_val, state.position.y_val)]
-    for leg in zip([way[0], *corners[:-1]], corners):
+    for leg in pairwise([way[0], *corners]):
         last = leg[1] == corners[-1]
         course = bearing(*leg)
         while True:

@@ -22,7 +22,7 @@ assert not client.isRecording()
 header, *lines = (folder / "airsim_rec.txt").read_text().splitlines()
 columns = header.split("\t")
 assert columns[:5] == ["VehicleName", "TimeStamp", "POS_X", "POS_Y", "POS_Z"]
-rows = [dict(zip(columns, line.split("\t"))) for line in lines]
+rows = [dict(zip(columns, line.split("\t"), strict=True)) for line in lines]
 times = np.array([float(row["TimeStamp"]) for row in rows]) * 1e-3
 assert len(rows) > 10
 assert (np.diff(times) > 0.04).all()

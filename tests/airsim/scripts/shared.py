@@ -1,6 +1,7 @@
 """What the scripts share: connecting, and where and when it is."""
 
 import sys
+from itertools import pairwise
 
 import airsim
 import numpy as np
@@ -62,10 +63,19 @@ def watch(client, start, step, arrived):
     return np.array(places)
 
 
+def refused(call, *arguments):
+    """Return with which words a call is refused."""
+    try:
+        call(*arguments)
+    except Exception as error:  # the client has two classes of errors, by the version of its transport
+        return str(error)
+    raise AssertionError("it was not refused")
+
+
 def to_lines(points, corners):
     """Return how far points (n, 3) are from the nearest of the lines between corners, (n,) m."""
     best = np.full(len(points), np.inf)
-    for one, two in zip(corners[:-1], corners[1:]):
+    for one, two in pairwise(corners):
         along = np.clip((points - one) @ (two - one) / ((two - one) @ (two - one)), 0, 1)
         best = np.minimum(best, np.linalg.norm(points - (one + along[:, None] * (two - one)), axis=1))
     return best

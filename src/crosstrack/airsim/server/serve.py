@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import Self
 
+import numpy as np
+
 from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.firmware.rows import ARMED, DISARMED
 from crosstrack.airsim.scene.cameras.settings import IMAGE_TYPES
@@ -72,6 +74,11 @@ def warm_up(world: World | None) -> None:
         HANDLERS[f"get{kind}Data"](simulator, "", "")
     requests = [ImageRequest("0", kind, kind not in {SCENE, SEGMENTATION}, False) for kind in range(IMAGE_TYPES)]
     HANDLERS["simGetImages"](simulator, requests, "", False)
+    here, there = np.zeros(3), np.ones(3)
+    obstacles = simulator.scene.world
+    obstacles.distance(here)
+    obstacles.gradient(here)
+    obstacles.swept(here, there)
 
 
 async def serve(simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:

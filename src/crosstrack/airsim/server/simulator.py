@@ -7,7 +7,7 @@ renders.
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,10 @@ from crosstrack.airsim.structs import Pose
 from crosstrack.frames import Origin
 from crosstrack.types import Array
 
+Ended = Callable[[bool | None, Exception | None], None]
+"""told what a move answers, or what it raised"""
+Watcher = Callable[[str, str, Sequence[Any]], Ended]
+"""told the vehicle, the name and the arguments of a move that begins"""
 BATCH = 7
 """steps flown at once: the first that reaches the 20 ms of a move's look"""
 TURN = 5e-4
@@ -70,6 +74,8 @@ class Simulator:
         """called after every batch of steps"""
         self.resetters: list[Callable[[], None]] = []
         """called at a reset, once the vehicles are back at their starts"""
+        self.watchers: list[Watcher] = []
+        """called when a client's move begins; what they return, when it ends"""
         self._runs: list[asyncio.Future[None]] = []
         self._stirred: asyncio.Event | None = None
 
@@ -115,11 +121,16 @@ class Simulator:
             raise Refused(ABSENT.format(kind=kind, name=name))
         return found
 
-    def begin(self, vehicle: ServedVehicle, move: Move) -> "asyncio.Future[bool]":
+    def begin(
+        self, vehicle: ServedVehicle, move: Move, name: str = "", arguments: Sequence[Any] = ()
+    ) -> "asyncio.Future[bool]":
         """Start a move in place of the one under way; return its answer to come."""
         answer: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
+        told = [watch(vehicle.name, name, arguments) for watch in self.watchers]
 
         def done(value: bool | None, error: Exception | None) -> None:
+            for tell in told:
+                tell(value, error)
             if answer.done():
                 return
             if error is not None:

@@ -28,13 +28,14 @@ STILL = 0.2
 """m/s"""
 
 
-def go_to_start(link: Link, scenario: Scenario, put: bool) -> None:
+def go_to_start(link: Link, scenario: Scenario, put: bool, lift: bool) -> None:
     """Bring the vehicle to the start of a flight, at rest: hovering there, or standing on the ground.
 
     Args:
         link: to it
         scenario: of the flight
         put: whether it is put there, or flown straight
+        lift: whether it takes off first where the start is on the ground: AirSim's velocity loop alone does not
 
     Raises:
         LinkLost: AirSim no longer answers.
@@ -44,6 +45,8 @@ def go_to_start(link: Link, scenario: Scenario, put: bool) -> None:
     if put:
         link.put(start)
     if start[2] <= ground + LEVEL:
+        if lift:
+            take_off(link)
         return
     if not put and link.state()[1].position[2] < ground + LOW:
         take_off(link)

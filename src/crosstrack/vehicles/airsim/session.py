@@ -48,11 +48,11 @@ class AirSimSession:
             self.link = Link(self.client, vehicle.name or scenario.name, scenario)
             undo.callback(self.make_safe)
             self.sensing = Sensing(self.link, scenario.sensors)
-            go_to_start(self.link, scenario, vehicle.begin == "place")
-            self.blow(0.0)
+            go_to_start(self.link, scenario, vehicle.begin == "place", vehicle.level == "velocity")
             self.client.get_collision_info(self.link.name)  # what was touched before does not count
             self.stamp, state = self.link.state()
             self.state = replace(state, acceleration=np.zeros(3))
+            self.blow(0.0)
             self.estimator = estimate.start(scenario.noise, self.state)
             self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.random)
             undo.pop_all()
@@ -142,14 +142,12 @@ class AirSimSession:
 
     def blow(self, duration: float) -> None:
         """Set the wind for the next command, after flying through it for a time (s)."""
-        first = duration == 0.0
-        if first or self.scenario.wind.gusts != "none":
-            where = self.scenario.position if first else self.state.position
-            velocity = np.zeros(3) if first else self.state.velocity
-            height = where[2] - self.scenario.world.ground
-            gust, self.gusts = turbulence.step(self.gusts, velocity, height, duration, self.random)
-            self.moving_air = self.mean + gust
-            self.client.set_wind(ned_from_enu(self.moving_air))
+        if duration > 0.0 and self.scenario.wind.gusts == "none":
+            return
+        height = self.state.position[2] - self.scenario.world.ground
+        gust, self.gusts = turbulence.step(self.gusts, self.state.velocity, height, duration, self.random)
+        self.moving_air = self.mean + gust
+        self.client.set_wind(ned_from_enu(self.moving_air))
 
     def close(self) -> None:
         """Leave the vehicle safe: at rest in the air, then, unless told otherwise, on the ground and disarmed."""
@@ -157,8 +155,8 @@ class AirSimSession:
         self.client.close()
 
     def make_safe(self) -> None:
-        """Stop and land, over a new connection where the old one is broken; where none answers, nothing can be done."""
-        with suppress(LinkLost):
+        """Stop and land, over a new connection where the old one is broken; where that fails, nothing can be done."""
+        with suppress(LinkLost, RemoteError):
             try:
                 self.leave()
             except (LinkLost, RemoteError):

@@ -8,7 +8,6 @@ from annotated_types import Ge, Le
 from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Scenario
 from crosstrack.types import Air, Array, Envelope, Positive, State
-from crosstrack.vehicles.airsim.outer import VELOCITY_RESPONSE
 from crosstrack.vehicles.airsim.session import AirSimSession
 from crosstrack.vehicles.quadrotor import Quadrotor
 
@@ -58,8 +57,7 @@ class AirSim:
             message = f"must be at least {1 / WIDEST_PERIOD:.0f} commands a second for AirSim to go on obeying"
             raise InputError("vehicle airsim", [Problem("timing.rate", f"{message}, found {1 / scenario.period:g}")])
         known = self.stand_in.envelope(replace(scenario, air=AIRSIM_AIR))
-        slow = 1 / VELOCITY_RESPONSE if self.level == "velocity" else 0.0
-        return replace(known, response_time=known.response_time + COMMAND_TIME + slow)
+        return replace(known, response_time=known.response_time + COMMAND_TIME)
 
     def launch(self, scenario: Scenario) -> AirSimSession:
         """Connect, take control, arm, and bring it to the start, hovering there or standing on the ground.

@@ -84,7 +84,7 @@ def fly(name: str, simulator: Simulator, *arguments: Any) -> Any:
     goals = [argument for index, argument in enumerate(given) if index != time]
     if not all(abs(number) <= LARGEST for number in numbers(goals)) or (time is not None and math.isnan(given[time])):
         raise Refused(f"{name} takes finite numbers only")
-    return simulator.begin(vehicle, move(vehicle, *given))
+    return simulator.begin(vehicle, move(vehicle, *given), name, given)
 
 
 def enable_api_control(simulator: Simulator, on: bool, name: str) -> None:
