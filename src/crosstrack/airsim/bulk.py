@@ -56,10 +56,17 @@ class Reader:
         """Return the next value."""
         mark = self.message[self.position]
         if deep and mark in MAPS:
+            self.count()
             return {self.key(): self.value(deep - 1) for _ in range(self.unpacker.read_map_header())}
         if deep and mark in LISTS:
+            self.count()
             return self.list(self.unpacker.read_array_header(), deep - 1)
         return self.unpacker.unpack()
+
+    def count(self) -> None:
+        """Count a list or a map, as msgpack has those counted that it makes."""
+        if self.limits:
+            self.limits["list_hook"](None)
 
     def key(self) -> str:
         """Return the next key of a map."""

@@ -254,8 +254,11 @@ def serve(
     lockstep: Switch = False,
     ideal: Switch = False,
     seed: int = 1,
+    out: Path | None = None,
 ) -> int:
     """Serve AirSim's API on the embedded simulator: any AirSim script flies here, without Unreal.
+
+    Ctrl-C ends it.
 
     Args:
         settings: AirSim's settings.json; by default what the mission needs, else AirSim's defaults
@@ -266,10 +269,11 @@ def serve(
         lockstep: advance the clock only while a client waits for a move, or as it asks, as fast as the machine can
         ideal: fly without AirSim's known mistakes
         seed: of the noise of sensors
+        out: folder for session.mcap, written as clients fly, and report.html, written at the end; by default neither
     """
     from crosstrack.cli import serving
 
-    return serving.serve(settings, world, host, port, clock_speed, lockstep, ideal, seed)
+    return serving.serve(settings, world, host, port, clock_speed, lockstep, ideal, seed, out)
 
 
 @app.command

@@ -3,20 +3,30 @@
 import asyncio
 import json
 import logging
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from types import FrameType
 
 from crosstrack import mission as missions
 from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.server import settings as airsim
 from crosstrack.airsim.server.serve import serve as served
 from crosstrack.airsim.server.serve import simulator_of, warm_up
-from crosstrack.cli.verbs import announce
+from crosstrack.airsim.server.simulator import Simulator
+from crosstrack.cli.codes import DONE, INTERRUPTED
+from crosstrack.cli.verbs import announce, made
 from crosstrack.cli.watch import say
 from crosstrack.errors import InputError, Problem
+from crosstrack.flight.served import Recorder
 from crosstrack.mission.airsim import airsim_settings
 
 SLOWEST, FASTEST = 0.01, 1000.0
 """times real time"""
+LOG, REPORT = "session.mcap", "report.html"
+ENDINGS = (signal.SIGINT, signal.SIGTERM)
 
 
 def serve(
@@ -28,8 +38,9 @@ def serve(
     lockstep: bool,
     ideal: bool,
     seed: int,
+    out: Path | None,
 ) -> int:
-    """Serve AirSim's protocol until interrupted."""
+    """Serve AirSim's protocol until told to end, and write what the session leaves behind."""
     check(port, clock_speed, seed)
     mission = missions.load(world) if world is not None else None
     given = read(settings, mission)
@@ -54,8 +65,72 @@ def serve(
         pace = "in lockstep with its clients" if lockstep else f"at {simulator.clock.speed:g} times real time"
         say(f"Serving AirSim's API at {address}:{found}, {pace}: {names}. Ctrl-C ends it.")
 
-    asyncio.run(served(simulator, address, number, ready))
-    return 0
+    folder = None if out is None else emptied(out)
+    with Ending() as ending:
+        recorder = None if folder is None else Recorder(simulator, folder / LOG)
+        asyncio.run(until(ending, simulator, address, number, ready))
+        if recorder is not None and folder is not None:
+            write(recorder, folder, "AirSim session" if mission is None else f"AirSim session in {mission.name}")
+    return DONE
+
+
+def emptied(folder: Path) -> Path:
+    """Make a folder, without the results of an earlier session."""
+    made(folder)
+    for name in (LOG, REPORT):
+        (folder / name).unlink(missing_ok=True)
+    return folder
+
+
+def write(recorder: Recorder, folder: Path, title: str) -> None:
+    """Write the end of the log, and the report."""
+    from crosstrack.show.served_page import served_page
+
+    session = recorder.close()
+    served_page(session, folder / REPORT, title)
+    for note in session.notes:
+        say(f"note: {note}")
+    say(f"{folder / LOG} and {folder / REPORT} are written.")
+
+
+async def until(ending: "Ending", simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:
+    """Serve until told to end."""
+    serving = asyncio.ensure_future(served(simulator, host, port, ready))
+    ending.then(asyncio.get_running_loop(), serving)
+    with suppress(asyncio.CancelledError):
+        await serving
+
+
+class Ending:
+    """End the server at the first Ctrl-C or SIGTERM, and the process at the second."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        self.stop: Callable[[], object] | None = None
+
+    def __enter__(self) -> "Ending":
+        self.previous = [signal.signal(number, self.note) for number in ENDINGS]
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        for number, handler in zip(ENDINGS, self.previous, strict=True):
+            signal.signal(number, handler)
+
+    def then(self, loop: asyncio.AbstractEventLoop, serving: "asyncio.Future[None]") -> None:
+        """Say what to end."""
+        self.stop = lambda: loop.call_soon_threadsafe(serving.cancel)
+        if self.asked:
+            serving.cancel()
+
+    def note(self, number: int, frame: FrameType | None) -> None:
+        """End the server, or break off."""
+        if self.asked:
+            say("interrupted")
+            os._exit(INTERRUPTED)
+        self.asked = True
+        say("Ending ...")
+        if self.stop is not None:
+            self.stop()
 
 
 def check(port: int | None, clock_speed: float | None, seed: int) -> None:

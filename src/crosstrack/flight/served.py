@@ -126,12 +126,9 @@ class Recorder:
 
     def close(self) -> Session:
         """Write what is left, and return all of it."""
-        for callbacks, callback in (
-            (self.simulator.observers, self.observe),
-            (self.simulator.watchers, self.watch),
-            (self.simulator.resetters, self.reset),
-        ):
-            callbacks.remove(callback)  # type: ignore[attr-defined]  # lists of three kinds of callables
+        self.simulator.observers.remove(self.observe)
+        self.simulator.watchers.remove(self.watch)
+        self.simulator.resetters.remove(self.reset)
         self._look()
         if self.log is not None:
             self._flush()
@@ -156,11 +153,13 @@ class Recorder:
 
     def _notes(self) -> list[str]:
         found = [self.ended] if self.ended else []
-        for passed, what in ((self.calls.passed, "calls of moves"), (self.touches.passed, "collisions")):
+        for passed, what in ((self.calls.passed, "calls of moves"), (self.touches.passed, "contacts")):
             if passed:
-                found.append(f"Of {MOST + passed} {what} the last {passed} are not listed.")
+                found.append(f"The last {passed} {what} are not listed: there were more than {MOST}.")
         if self.simulator.scene.markers.dropped:
-            found.append(f"The first {self.simulator.scene.markers.dropped} markers are not drawn: there were too many.")
+            found.append(
+                f"The first {self.simulator.scene.markers.dropped} markers are not drawn: there were too many."
+            )
         if self.log is not None and self.log.ended:
             found.append(f"The log ends early: {self.log.ended}.")
         return found

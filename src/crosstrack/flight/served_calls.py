@@ -97,20 +97,16 @@ class Touches:
     def add(self, vehicle: str, thing: str, position: Array, time: float) -> Touch | None:
         """Take note of a contact at a time (s); return the collision where it is a new one."""
         place, before = self._latest.get((vehicle, thing), (-1, -math.inf))
-        found = None
         if time - before <= CONTACT:
-            if place >= 0:
-                self.made[place] = replace(self.made[place], ends=time, count=self.made[place].count + 1)
-        elif len(self.made) < MOST:
-            found = Touch(vehicle, thing, position, time, time)
-            self.made.append(found)
-            place = len(self.made) - 1
-        else:
-            self.passed += 1
-            place = -1
-        if place >= 0 or (vehicle, thing) in self._latest:
+            self.made[place] = replace(self.made[place], ends=time, count=self.made[place].count + 1)
             self._latest[vehicle, thing] = place, time
-        return found
+            return None
+        if len(self.made) >= MOST:
+            self.passed += 1
+            return None
+        self._latest[vehicle, thing] = len(self.made), time
+        self.made.append(Touch(vehicle, thing, position, time, time))
+        return self.made[-1]
 
 
 def described(arguments: Sequence[Any]) -> str:

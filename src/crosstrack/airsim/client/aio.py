@@ -3,10 +3,11 @@
 import asyncio
 from typing import Any, Self, TypeVar, cast
 
+from crosstrack.airsim.bulk import decode_bulk
 from crosstrack.airsim.client.call import Call
 from crosstrack.airsim.client.calls import Calls
 from crosstrack.airsim.client.errors import RemoteError
-from crosstrack.airsim.messages import LARGEST_REPLY, BadStream, Stream, decode, read_reply, request
+from crosstrack.airsim.messages import LARGEST_REPLY, BadStream, Stream, read_reply, request
 from crosstrack.errors import LinkLost
 
 Result = TypeVar("Result")
@@ -77,7 +78,7 @@ class AsyncClient(Calls, asyncio.Protocol):
         try:
             self.stream.feed(data)
             while (message := self.stream.take()) is not None:
-                reply = read_reply(decode(message))
+                reply = read_reply(decode_bulk(message))
                 call, future = self.calls.pop(reply.id, (None, None)) if reply is not None else (None, None)
                 if reply is None or call is None or future is None or future.done():
                     continue

@@ -9,9 +9,10 @@ import threading
 from contextlib import suppress
 from typing import Any, Generic, Self, TypeVar
 
+from crosstrack.airsim.bulk import decode_bulk
 from crosstrack.airsim.client.call import Call
 from crosstrack.airsim.client.calls import Calls
-from crosstrack.airsim.messages import LARGEST_REPLY, BadStream, Reply, Stream, decode, read_reply, request
+from crosstrack.airsim.messages import LARGEST_REPLY, BadStream, Reply, Stream, read_reply, request
 from crosstrack.errors import LinkLost
 
 CHUNK = 1 << 18
@@ -142,7 +143,7 @@ class Client(Calls):
             while data := self.receive():
                 self.stream.feed(data)
                 while (message := self.stream.take()) is not None:
-                    self.settle(read_reply(decode(message)))
+                    self.settle(read_reply(decode_bulk(message)))
             why = "the server closed the connection"
         except OSError as error:
             why = f"the connection is lost: {error}"

@@ -1,6 +1,5 @@
 """What AirSim's sensors see, as scans of the sensors that a mission names."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -17,10 +16,17 @@ from crosstrack.sense.lidar import Lidar
 from crosstrack.sense.pose import axes
 from crosstrack.types import Array, Scan, State
 from crosstrack.vehicles.airsim.link import Link
-from crosstrack.vehicles.airsim.settings import CAMERA, DISTANCE, LIDAR, RING, differences, sensors_of
+from crosstrack.vehicles.airsim.settings import (
+    CAMERA,
+    DEPTH_PLANAR,
+    DISTANCE,
+    LIDAR,
+    RING,
+    depth_kind,
+    differences,
+    sensors_of,
+)
 
-DEPTH_PERSPECTIVE = 2
-"""the kind of image whose pixels are distances along their rays"""
 NANO = 1e-9
 
 
@@ -87,10 +93,12 @@ def binned(points: Array, lidar: Lidar) -> Array:
 
 @dataclass(frozen=True)
 class CameraFeed:
-    """A camera of AirSim, asked for distances along its rays."""
+    """A camera of AirSim, asked for distances: along its rays, or along its axis."""
 
     sensor: DepthCamera
     name: str
+    kind: int
+    """of the image, DEPTH_PERSPECTIVE or DEPTH_PLANAR"""
 
     def look(self, link: Link) -> Seen:
         """Return the picture of the moment.
@@ -98,12 +106,14 @@ class CameraFeed:
         Raises:
             InputError: it is not of the size that the mission says.
         """
-        (image,) = link.client.get_images([ImageRequest(self.name, DEPTH_PERSPECTIVE, True, False)], link.name)
+        (image,) = link.client.get_images([ImageRequest(self.name, self.kind, True, False)], link.name)
         if (image.width, image.height) != (self.sensor.width, self.sensor.height):
             found = f"pictures are {image.width} x {image.height}"
             wanted = f"the mission's sensor has {self.sensor.width} x {self.sensor.height} pixels"
             raise InputError("AirSim's settings.json", [Problem(f"Cameras.{self.name}", f"{found}; {wanted}")])
         far = np.asarray(image.image_data_float, dtype=float)
+        if self.kind == DEPTH_PLANAR:
+            far = far / self.sensor.beams()[:, 0]
         place = enu_from_ned(image.camera_position) + link.home
         return Seen(image.time_stamp, place, np.where(far <= self.sensor.range, far, np.inf))
 
@@ -118,8 +128,7 @@ class RingFeed:
     def look(self, link: Link) -> Seen:
         """Return the last measurements."""
         found = [link.client.get_distance_sensor_data(name, link.name) for name in self.names]
-        far = np.array([min(data.distance, math.inf if data.distance >= data.max_distance else data.distance)
-                        for data in found])  # fmt: skip
+        far = np.array([data.distance for data in found])
         _, state = link.state()
         place = state.position + axes(state.attitude) @ np.array(self.sensor.position)
         return Seen(max(data.time_stamp for data in found), place, np.where(far <= self.sensor.range, far, np.inf))
@@ -187,7 +196,10 @@ def feeds_for(sensors: Sequence[Sensor], settings: Mapping[str, Any]) -> list[Fe
             name = f"{LIDAR}{k}"
             feeds.append(LidarFeed(sensor, name, given[name].get("DataFrame") == "SensorLocalFrame"))
         elif isinstance(sensor, DepthCamera):
-            feeds.append(CameraFeed(sensor, f"{CAMERA}{k}"))
+            name = f"{CAMERA}{k}"
+            kind = depth_kind(sensor, settings["Cameras"][name])
+            assert kind is not None  # there are no differences
+            feeds.append(CameraFeed(sensor, name, kind))
         elif isinstance(sensor, DistanceRing):
             names = tuple(name for name in wanted["Sensors"] if name.startswith(f"{RING}{k}{DISTANCE}"))
             feeds.append(RingFeed(sensor, names))

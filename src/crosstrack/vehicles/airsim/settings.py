@@ -13,8 +13,12 @@ from crosstrack.sense.ranging import Ranging
 
 LIDAR, CAMERA, RING, DISTANCE = "Lidar", "Depth", "Ring", "Distance"
 """names, with the number of the sensor in the mission; a ring's with the number of the beam too"""
-DISTANCE_TYPE, LIDAR_TYPE, DEPTH_PERSPECTIVE = 5, 6, 2
-"""AirSim's numbers for them"""
+DISTANCE_TYPE, LIDAR_TYPE = 5, 6
+"""AirSim's numbers for sensors"""
+DEPTH_PLANAR, DEPTH_PERSPECTIVE = 1, 2
+"""and for images of distances, along the axis and along the rays"""
+BEYOND = 1.0
+"""m, that distance sensors reach farther than the mission says: five deviations of the noise, so that nothing seen is so"""
 NEAR = 1e-6
 
 
@@ -45,13 +49,21 @@ def lidar_settings(lidar: Lidar) -> dict[str, Any]:
 
 def camera_settings(camera: DepthCamera) -> dict[str, Any]:
     """Return the settings of a camera."""
-    capture = {
-        "ImageType": DEPTH_PERSPECTIVE,
-        "Width": camera.width,
-        "Height": camera.height,
-        "FOV_Degrees": camera.fov_deg,
-    }
-    return {"CaptureSettings": [capture], **mounted(camera)}
+    return {"CaptureSettings": [capture_settings(camera, DEPTH_PERSPECTIVE)], **mounted(camera)}
+
+
+def capture_settings(camera: DepthCamera, kind: int) -> dict[str, Any]:
+    """Return the settings of a kind of image."""
+    return {"ImageType": kind, "Width": camera.width, "Height": camera.height, "FOV_Degrees": camera.fov_deg}
+
+
+def depth_kind(camera: DepthCamera, given: Mapping[str, Any]) -> int | None:
+    """Return the kind of depth image that a camera of AirSim makes as the mission wants it; None for none."""
+    for kind in (DEPTH_PERSPECTIVE, DEPTH_PLANAR):
+        wanted = capture_settings(camera, kind)
+        if any(same(capture, wanted) for capture in given.get("CaptureSettings", ())):
+            return kind
+    return None
 
 
 def beam_settings(ring: DistanceRing, beam: int) -> dict[str, Any]:
@@ -61,7 +73,7 @@ def beam_settings(ring: DistanceRing, beam: int) -> dict[str, Any]:
         "SensorType": DISTANCE_TYPE,
         "Enabled": True,
         "MinDistance": 0.0,
-        "MaxDistance": ring.range,
+        "MaxDistance": ring.range + BEYOND,
         **place,
         "Yaw": place["Yaw"] - 360.0 * beam / ring.count,
     }
@@ -99,9 +111,19 @@ def differences(sensors: Sequence[Sensor], settings: Mapping[str, Any]) -> list[
                 continue
             for key, value in needed.items():
                 found = given[name].get(key)
-                if key != "DataFrame" and not same(found, value):
+                fits = same(found, value)
+                if key == "CaptureSettings":
+                    fits = depth_kind(camera_of(sensors, name), given[name]) is not None
+                if key != "DataFrame" and not fits:
                     problems.append(Problem(f"{group}.{name}.{key}", f"must be {value!r}, found {found!r}"))
     return problems
+
+
+def camera_of(sensors: Sequence[Sensor], name: str) -> DepthCamera:
+    """Return the camera of a mission that a name stands for."""
+    camera = sensors[int(name.removeprefix(CAMERA))]
+    assert isinstance(camera, DepthCamera)  # by its name
+    return camera
 
 
 def same(found: object, wanted: object) -> bool:
