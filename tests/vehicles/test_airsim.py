@@ -31,7 +31,7 @@ from crosstrack.mission.mission import Mission
 from crosstrack.sense.depth_camera import DepthCamera
 from crosstrack.sense.distance_ring import DistanceRing
 from crosstrack.sense.lidar import Lidar
-from crosstrack.types import Outcome, Scan
+from crosstrack.types import Outcome, Scan, Setpoint
 from crosstrack.vehicles.airsim.vehicle import AirSim
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -164,6 +164,27 @@ def test_path_aims_and_trail_are_drawn() -> None:
     with serving() as server:
         ct.fly(in_airsim(missions.loads(HOP), server, draw=False))
         assert not server.simulator.scene.markers.drawn
+
+
+def test_moving_obstacles_are_there_and_gone_afterwards() -> None:
+    mission = missions.loads(
+        "start: {position: [0, 0, 2]}\nroute: [[8, 0, 2]]\nspeed: 2\n"
+        "world: {moving: [{shape: {sphere: {center: [4, 8, 2], radius: 0.5}}, velocity: [0, -1, 0]}]}\n"
+    )
+    where = []
+    with serving() as server:
+        plan = in_airsim(mission, server).build()
+        session = plan.vehicle.launch(plan.scenario)
+        for _ in range(50):
+            session.advance(Setpoint(velocity=np.zeros(3)), 0.02)
+            ball = server.simulator.scene.things["crosstrack_ball_0"]
+            where.append([session.truth().time, *ball.pose.position])
+        session.close()
+        assert "crosstrack_ball_0" not in server.simulator.scene.things
+    time, north, east, down = np.array(where).T
+    np.testing.assert_allclose(north, 8 - time, atol=1e-3)
+    np.testing.assert_allclose(east, 4, atol=1e-3)
+    np.testing.assert_allclose(down, -2, atol=1e-3)
 
 
 def test_what_is_hit_ends_the_flight() -> None:

@@ -14,6 +14,7 @@ from crosstrack.protocols import Scenario
 from crosstrack.sim import estimate, turbulence
 from crosstrack.types import Array, Command, Scan, Setpoint, State, Wind
 from crosstrack.vehicles.airsim.link import PATIENCE, SLOWEST, Link
+from crosstrack.vehicles.airsim.movers import Balls
 from crosstrack.vehicles.airsim.safe import go_to_start, leave
 from crosstrack.vehicles.airsim.sensing import Sensing
 
@@ -48,6 +49,8 @@ class AirSimSession:
             self.link = Link(self.client, vehicle.name or scenario.name, scenario)
             undo.callback(self.make_safe)
             self.sensing = Sensing(self.link, scenario.sensors)
+            self.balls = Balls(self.client, scenario.traffic)
+            undo.callback(self.balls.clear)
             go_to_start(self.link, scenario, vehicle.begin == "place", vehicle.level == "velocity")
             self.client.get_collision_info(self.link.name)  # what was touched before does not count
             self.stamp, state = self.link.state()
@@ -128,6 +131,7 @@ class AirSimSession:
         self.estimated, self.estimator = estimate.step(self.estimator, self.state, self.random)
         self.look_for_contact(before)
         self.blow(passed)
+        self.balls.move(time)
 
     def gone_on(self, duration: float) -> bool:
         """Return whether another vehicle of this flight has had the clock go on for a time (s) already."""
@@ -151,6 +155,7 @@ class AirSimSession:
 
     def close(self) -> None:
         """Leave the vehicle safe: at rest in the air, then, unless told otherwise, on the ground and disarmed."""
+        self.balls.clear()
         self.make_safe()
         self.client.close()
 

@@ -18,7 +18,7 @@ DISTANCE_TYPE, LIDAR_TYPE = 5, 6
 DEPTH_PLANAR, DEPTH_PERSPECTIVE = 1, 2
 """and for images of distances, along the axis and along the rays"""
 BEYOND = 1.0
-"""m, that distance sensors reach farther than the mission says: five deviations of the noise, so that nothing seen is so"""
+"""m, that distance sensors reach farther than the mission says: of nothing seen they answer that, and noise of 0.2 m"""
 NEAR = 1e-6
 
 
