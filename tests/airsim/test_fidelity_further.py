@@ -126,6 +126,10 @@ SCRIPTS: dict[str, Sequence[Step]] = {
 }
 
 
+UNTIL = {"high": 5.0}
+"""s, to compare: 80 m up moveByVelocityZ is unstable in AirSim too, and rounding grows tenfold in half a second"""
+
+
 def begun(name: str) -> Aloft:
     """Return a vehicle as it was before a reference."""
     if name not in ("high", "below"):
@@ -155,6 +159,7 @@ def test_unpublished_moves_are_flown_as_by_the_real_one(name: str) -> None:
         step(aloft)
     log = np.array(rows)
     assert log[-1, T] == pytest.approx(reference[-1, T], abs=0.25)
+    reference = reference[reference[:, T] <= UNTIL.get(name, np.inf)]
     flown = np.stack([np.interp(reference[:, T], log[:, T], column) for column in log.T], axis=1)
     far = np.linalg.norm(reference[:, P] - reference[0, P], axis=1).max()
     assert np.linalg.norm(flown[:, P] - reference[:, P], axis=1).max() < max(0.003 * far, 0.002)

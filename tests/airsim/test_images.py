@@ -19,6 +19,8 @@ from crosstrack.airsim.scene.png import encoded
 from crosstrack.airsim.scene.poses import matrix
 from crosstrack.airsim.scene.scene import Scene
 from crosstrack.airsim.server.errors import Refused
+from crosstrack.airsim.server.handlers import images
+from crosstrack.airsim.server.handlers.images import MOST_PIXELS
 from crosstrack.airsim.server.simulator import Simulator
 from crosstrack.airsim.structs import ImageRequest, ImageResponse
 from crosstrack.types import Array
@@ -244,5 +246,29 @@ def test_what_is_not_there_is_refused() -> None:
             call(simulator, "simGetImage", camera, kind, "", external)
     with pytest.raises(Refused, match="Sim-API for 'W'"):
         call(simulator, "simGetImage", "eye", 0, "W", False)
-    with pytest.raises(Refused, match="pixels"):
-        call(simulator, "simGetImages", [ImageRequest("eye")] * 10_000, "", False)
+
+
+def test_a_picture_asked_for_many_times_is_taken_once_and_only_so_many_are_answered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    simulator = simulated(WALL, settings=eye())
+    looks, look = [], Shot.scene
+    monkeypatch.setattr(Shot, "scene", lambda shot: looks.append(shot) or look(shot))  # type: ignore[func-returns-value]
+    most = MOST_PIXELS // (256 * 144)
+    asked = [ImageRequest("0"), ImageRequest("front_center", pixels_as_float=False, compress=False)] * (most // 2)
+    answers = call(simulator, "simGetImages", asked, "", False)
+    assert [one.camera_name for one in answers] == [one.camera_name for one in asked]
+    assert len(looks) == len({(one.pixels_as_float, one.compress) for one in asked})
+    assert answers[-1].image_data_uint8 is answers[1].image_data_uint8
+    assert len(answers) * 256 * 144 <= MOST_PIXELS
+    for count in (most + 1, 100_000):
+        with pytest.raises(Refused, match="pixels"):
+            call(simulator, "simGetImages", [ImageRequest("eye")] * count, "", False)
+
+
+def test_one_picture_may_be_as_large_as_the_settings_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulator = simulated(WALL, settings=eye('{"ImageType": 1, "Width": 40, "Height": 20}'))
+    monkeypatch.setattr(images, "MOST_PIXELS", 799)
+    assert taken(simulator, 1, as_float=True).width == 40
+    with pytest.raises(Refused, match="1600 pixels at once; at most 799"):
+        call(simulator, "simGetImages", [ImageRequest("eye", 1)] * 2, "", False)

@@ -2,6 +2,7 @@
 
 import operator
 import struct
+from array import array
 from collections.abc import Sequence
 from ctypes import c_float
 from typing import Any
@@ -13,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from crosstrack.airsim.codec import SINGLE_MARK, BadCast, array_header, listed, mapped
 from crosstrack.types import Array
 
+BYTE_MARK, SMALLEST = 0xCC, 127
+"""before an integer of one byte, and the largest that needs none"""
 NUMBERS = {float, int}
 """types that stand for a number; bool is none of them"""
 
@@ -133,15 +136,20 @@ class Wholes:
 
     def pack(self, value: ArrayLike) -> bytes:
         """Return the list of the integers."""
-        packed: bytes = msgpack.packb(np.asarray(value, self.kind).ravel().tolist())
-        return packed
+        numbers = np.asarray(value, self.kind).ravel()
+        if ((numbers < 0) | (numbers > 255)).any():
+            packed: bytes = msgpack.packb(numbers.tolist())
+            return packed
+        marked, shown = np.full((len(numbers), 2), BYTE_MARK, np.uint8), np.ones((len(numbers), 2), bool)
+        marked[:, 1], shown[:, 0] = numbers, numbers > SMALLEST
+        return array_header(len(numbers)) + marked[shown].tobytes()
 
     def unpack(self, wire: object) -> NDArray[Any]:
         """Return the integers of a list."""
         given = listed(wire)
         try:
             if {*map(type, given)} <= {int}:
-                return np.array(given, self.kind)
+                return np.frombuffer(array(np.dtype(self.kind).char, given), self.kind)
         except OverflowError:
             pass
         raise BadCast("a list of integers holds something else")

@@ -4,6 +4,7 @@ from typing import Any
 
 import msgpack
 import numpy as np
+from numpy.typing import NDArray
 
 from crosstrack.airsim.codec import SINGLE_MARK
 from crosstrack.airsim.messages import BadStream, decode, limits
@@ -15,6 +16,8 @@ DEEP = 8
 MAPS = {*range(0x80, 0x90), 0xDE, 0xDF}
 LISTS = {*range(0x90, 0xA0), 0xDC, 0xDD}
 """first bytes"""
+HEADS = {0xDC: 3, 0xDD: 5}
+"""bytes before the values of lists that are not short"""
 SINGLES = np.dtype([("mark", "u1"), ("number", ">f4")])
 
 
@@ -37,30 +40,25 @@ class Reader:
 
     def __init__(self, message: bytes) -> None:
         self.message, self.limits = message, limits(message)
-        self.seek(0)
-
-    def seek(self, position: int) -> None:
-        """Go on from a byte."""
-        self.began = position
-        self.unpacker = msgpack.Unpacker(
-            unicode_errors="surrogateescape", max_buffer_size=len(self.message), **self.limits
-        )
-        self.unpacker.feed(memoryview(self.message)[position:])
-
-    @property
-    def position(self) -> int:
-        """Bytes that were read."""
-        return self.began + int(self.unpacker.tell())
+        size = len(message)
+        self.unpacker = msgpack.Unpacker(unicode_errors="surrogateescape", max_buffer_size=size, **self.limits)
+        self.unpacker.feed(message)
 
     def value(self, deep: int) -> Any:
         """Return the next value."""
-        mark = self.message[self.position]
+        start = self.unpacker.tell()
+        mark = self.message[start]
         if deep and mark in MAPS:
             self.count()
             return {self.key(): self.value(deep - 1) for _ in range(self.unpacker.read_map_header())}
         if deep and mark in LISTS:
-            self.count()
-            return self.list(self.unpacker.read_array_header(), deep - 1)
+            numbers = self.numbers(start)
+            if numbers is not None:
+                self.unpacker.skip()
+                return numbers
+            if self.length(start) < LONG:
+                self.count()
+                return [self.value(deep - 1) for _ in range(self.unpacker.read_array_header())]
         return self.unpacker.unpack()
 
     def count(self) -> None:
@@ -75,14 +73,16 @@ class Reader:
             raise ValueError(f"{key!r:.80} is no key of a map")  # noqa: TRY004 - what it is reported as
         return key
 
-    def list(self, count: int, deep: int) -> Any:
-        """Return so many values: an array where they are many singles."""
-        if count < LONG:
-            return [self.value(deep) for _ in range(count)]
-        start, size = self.position, count * SINGLES.itemsize
-        if self.message[start : start + 1] == SINGLE_MARK and start + size <= len(self.message):
-            found = np.frombuffer(self.message, SINGLES, count, start)
-            if (found["mark"] == SINGLE_MARK[0]).all():
-                self.seek(start + size)
-                return found["number"].astype(np.float32)
-        return [self.unpacker.unpack() for _ in range(count)]
+    def length(self, start: int) -> int:
+        """Return how many values the list has that begins at a byte."""
+        size = HEADS.get(self.message[start])
+        return 0 if size is None else int.from_bytes(self.message[start + 1 : start + size])
+
+    def numbers(self, start: int) -> NDArray[np.float32] | None:
+        """Return the list that begins at a byte, None where it is short, or of anything but singles."""
+        count = self.length(start)
+        first = start + HEADS.get(self.message[start], 0)
+        if count < LONG or first + count * SINGLES.itemsize > len(self.message):
+            return None
+        found = np.frombuffer(self.message, SINGLES, count, first)
+        return found["number"].astype(np.float32) if (found["mark"] == SINGLE_MARK[0]).all() else None

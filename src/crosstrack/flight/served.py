@@ -44,6 +44,7 @@ class Session:
     """by vehicle"""
     calls: tuple[Call, ...]
     touches: tuple[Touch, ...]
+    """contacts with things, and with the ground"""
     markers: tuple[Marker, ...]
     """whatever was drawn, for however short a time"""
     traces: dict[str, Trace]
@@ -54,6 +55,11 @@ class Session:
     """the same, by name"""
     notes: tuple[str, ...]
     """what is missing"""
+
+    @property
+    def collisions(self) -> list[Touch]:
+        """Contacts with anything but the ground."""
+        return [touch for touch in self.touches if not touch.ground]
 
 
 class Recorder:
@@ -88,7 +94,7 @@ class Recorder:
     @property
     def time(self) -> float:
         """s, simulated, since the session began"""
-        return (self.simulator.now - self.begins) * 1e-9
+        return (self.simulator.now - self.begins) / 1e9
 
     def observe(self) -> None:
         """Look at everything that has changed since the last time."""
@@ -121,7 +127,7 @@ class Recorder:
     def reset(self) -> None:
         """Take note of a reset."""
         time = self.time
-        self.calls.begin("", "reset", (), time)("", time)
+        self.calls.reset(time)
         self._tell(MOVES, {"vehicle": "", "name": "reset", "arguments": "", "begins_s": time, "ends_s": time})
 
     def close(self) -> Session:
@@ -186,8 +192,9 @@ class Recorder:
 
     def _touched(self, vehicle: ServedVehicle, contact: CollisionInfo) -> None:
         name, thing = clean(vehicle.name), clean(contact.object_name)
+        ground = contact.object_name == self.simulator.scene.floor.name
         position = frames.enu_from_ned(vehicle.start.position + contact.position)
-        if self.touches.add(name, thing, position, self.time) is not None:
+        if self.touches.add(name, thing, ground, position, self.time) is not None:
             at = position.round(4).tolist()
             self._tell(COLLISIONS, {"vehicle": name, "object": thing, "begins_s": self.time, "position_m": at})
 

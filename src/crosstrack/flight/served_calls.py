@@ -18,6 +18,8 @@ MOST = 10_000
 """calls, and collisions, that are kept; of those after them only the number"""
 FOREVER = 1e30
 """s, a time-out that is none"""
+ANSWERS = ("true", "false", "")
+"""all others are errors, and end a stream"""
 LONGEST = 200
 """letters of a text that are kept"""
 
@@ -47,6 +49,8 @@ class Touch:
 
     vehicle: str
     thing: str
+    ground: bool
+    """whether that is the ground, which every vehicle touches that stands"""
     position: Array
     """(3,) m, of the vehicle at first, world ENU"""
     begins: float
@@ -78,11 +82,19 @@ class Calls:
             self.passed += 1
             return lambda answer, end: None
         self._latest[vehicle] = place, time
+        began = time
 
         def end(answer: str, time: float) -> None:
             self.made[place] = replace(self.made[place], answer=clean(answer), ends=time)
+            if answer not in ANSWERS and self._latest.get(vehicle) == (place, began):
+                del self._latest[vehicle]
 
         return end
+
+    def reset(self, time: float) -> None:
+        """Take note of a reset at a time (s); it ends all streams."""
+        self._latest.clear()
+        self.begin("", "reset", (), time)("", time)
 
 
 class Touches:
@@ -94,7 +106,7 @@ class Touches:
         """collisions that were not kept, as there were too many"""
         self._latest: dict[tuple[str, str], tuple[int, float]] = {}
 
-    def add(self, vehicle: str, thing: str, position: Array, time: float) -> Touch | None:
+    def add(self, vehicle: str, thing: str, ground: bool, position: Array, time: float) -> Touch | None:
         """Take note of a contact at a time (s); return the collision where it is a new one."""
         place, before = self._latest.get((vehicle, thing), (-1, -math.inf))
         if time - before <= CONTACT:
@@ -105,7 +117,7 @@ class Touches:
             self.passed += 1
             return None
         self._latest[vehicle, thing] = len(self.made), time
-        self.made.append(Touch(vehicle, thing, position, time, time))
+        self.made.append(Touch(vehicle, thing, ground, position, time, time))
         return self.made[-1]
 
 

@@ -29,6 +29,8 @@ FAR = 2.0
 """times the longest side of what flew and stands there, beyond which markers do not widen the view"""
 MOST_NAMES = 16
 """moves that have a line of their own over time"""
+LANE, THICK = 0.6, 8.0
+"""of the distance between two moves, and pixels: what the lines of all vehicles take in beside one another"""
 STOPS = 400
 """of the time slider"""
 NOWHERE = np.full((1, 3), np.nan)
@@ -144,8 +146,8 @@ def marks(session: Session, flown: Sequence[Way]) -> Iterator[tuple[str, Array, 
     if starts:
         look = {"size": 9, "color": "#fff", "line": {"color": INK, "width": 2}, "symbol": "circle"}
         yield "start", np.array(starts), look
-    if session.touches:
-        at = np.array([touch.position for touch in session.touches])
+    if session.collisions:
+        at = np.array([touch.position for touch in session.collisions])
         yield COLLISIONS, at, {"size": 10, "color": ALARM, "symbol": "x"}
 
 
@@ -168,9 +170,10 @@ def times(session: Session, flown: Sequence[Way]) -> Figure:
             )
     names = move_names(session.calls)
     if names:
-        for way in flown:
-            moving = {"color": way.color, "width": 7}
+        for number, way in enumerate(flown):
+            moving = {"color": way.color, "width": max(2.0, THICK / len(flown))}
             time, values = under_way(session, way.name, names)
+            values += LANE * ((len(flown) - 1) / 2 - number) / len(flown)
             traces.append(curve(time, values, len(shown), way.name, "", line=moving, showlegend=False))
         shown.append(Panel("Moves", "", (Series("moves", np.arange(1.0, len(names) + 1)),), names=names))
     return {"data": traces, "layout": times_layout(shown)}

@@ -50,7 +50,7 @@ class Stroke:
     def in_space(self) -> Figure:
         """Return it as a trace in space."""
         if self.kind == "strings":
-            return self._written("scatter3d") | points(self.points)
+            return self._written("scatter3d", self.texts) | points(self.points)
         if self.kind == "points":
             look = {"size": self.size / 0.7, "color": self.color, "symbol": "circle"}
             return mark3("points", self.points, look)
@@ -59,18 +59,18 @@ class Stroke:
     def from_above(self) -> Figure:
         """Return it as a trace of the view from above."""
         if self.kind == "strings":
-            return self._written("scatter") | flat(self.points)
+            return self._written("scatter", tuple(map(escape, self.texts))) | flat(self.points)
         if self.kind == "points":
             return mark("points", self.points, {"size": self.size, "color": self.color, "symbol": "circle"})
         return line2(self.points, self.kind, color=self.color, width=WIDTH / 2)
 
-    def _written(self, kind: str) -> Figure:
+    def _written(self, kind: str, texts: tuple[str, ...]) -> Figure:
         look = {"color": self.color, "size": 12}
         return {
             "type": kind,
             "mode": "text",
             "name": "strings",
-            "text": [escape(text) for text in self.texts],
+            "text": list(texts),
             "textfont": look,
             "hoverinfo": "skip",
         }

@@ -70,7 +70,7 @@ def sentence(session: Session) -> str:
     parts = (
         counted(len(session.tracks), "vehicle"),
         counted(calls, "call") + " of moves",
-        counted(len(session.touches), "collision"),
+        counted(len(session.collisions), "collision"),
         counted(len(session.markers), "marker") + " drawn",
     )
     return f"{', '.join(parts)}, in {session.duration:.1f} s of simulated time."
@@ -90,7 +90,7 @@ def cards(session: Session) -> Iterator[tuple[str, str, str]]:
     yield "Top speed", f"{max(speeds, default=0.0):.2f}", "m/s"
     heights = [track.position[:, 2].max() for track in tracks if len(track.time)]
     yield "Greatest height", f"{max(heights, default=0.0):.2f}", "m"
-    yield "Collisions", str(len(session.touches)), ""
+    yield "Collisions", str(len(session.collisions)), ""
 
 
 def moves(session: Session) -> Table:
@@ -130,8 +130,8 @@ def collisions(session: Session) -> Table:
         )
         for touch in session.touches[:LISTED]
     ]
-    heads = ("at, s", "vehicle", "object", "position, m", "contacts")
-    return Table("Collisions", heads, rows, more(len(session.touches)))
+    heads = ("at, s", "vehicle", "object", "position, m", "times")
+    return Table("Contacts", heads, rows, more(len(session.touches)))
 
 
 def objects(session: Session) -> Table:
@@ -147,7 +147,7 @@ def objects(session: Session) -> Table:
 
 def triple(vector: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
     """Return a vector (3,) as text."""
-    return ", ".join(f"{part + 0.0:.2f}" for part in vector)
+    return ", ".join(f"{round(float(part), 2) + 0.0:.2f}" for part in vector)
 
 
 def more(count: int) -> str:

@@ -17,8 +17,8 @@ from crosstrack.airsim.structs import DetectionInfo, GeoPoint, ImageRequest, Ima
 
 ABSENT = "Can't take screenshot because texture target is null"
 """said of optical flow, which is not offered"""
-MOST_PIXELS = 1 << 26
-"""of one call"""
+MOST_PIXELS = 1 << 25
+"""of one call for several pictures, as floats 160 MiB on the wire; one alone is as large as its settings say"""
 MOST_PATTERNS = 1000
 """of names to detect, of one camera and type of picture"""
 Shots = dict[tuple[int, int, int, float], Shot]
@@ -55,14 +55,25 @@ def take(
 def pictures(
     simulator: Simulator, requests: list[ImageRequest], vehicle_name: str, external: bool
 ) -> list[ImageResponse]:
-    """Return pictures, all of one instant."""
+    """Return pictures, all of one instant; one that is asked for several times is taken once.
+
+    Raises:
+        Refused: there is no such camera, or no such type, or they are too many.
+    """
+    answers: list[ImageResponse] = []
     found = [(*find(simulator, one.camera_name, vehicle_name, external), one) for one in requests]
     sizes = (camera.capture(one.image_type) for camera, _, one in found)
     pixels = sum(size.width * size.height for size in sizes)
-    if pixels > MOST_PIXELS:
+    if len(requests) > 1 and pixels > MOST_PIXELS:
         raise Refused(f"{pixels} pixels at once; at most {MOST_PIXELS} are taken")
     shots: Shots = {}
-    return [take(simulator, camera, vehicle, one, shots) for camera, vehicle, one in found]
+    taken: dict[tuple[int, int, bool, bool], ImageResponse] = {}
+    for camera, vehicle, one in found:
+        key = id(camera), one.image_type, one.pixels_as_float, one.compress
+        if key not in taken:
+            taken[key] = take(simulator, camera, vehicle, one, shots)
+        answers.append(replace(taken[key], camera_name=one.camera_name))
+    return answers
 
 
 def picture(simulator: Simulator, name: str, image_type: int, vehicle_name: str, external: bool) -> bytes:
