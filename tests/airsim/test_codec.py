@@ -47,9 +47,10 @@ def test_long_lists_of_numbers(count: int) -> None:
     packed = arrays.SINGLES.pack(numbers)
     assert packed == single(numbers.tolist())
     np.testing.assert_array_equal(arrays.SINGLES.unpack(msgpack.unpackb(packed)), numbers)
-    whole = np.random.default_rng(count).integers(-(1 << 31), 1 << 31, count)
-    assert arrays.INTS.pack(whole) == msgpack.packb(whole.tolist())
-    np.testing.assert_array_equal(arrays.INTS.unpack(whole.tolist()), whole)
+    for low, high in ((-(1 << 31), 1 << 31), (0, 128), (0, 256), (0, 257), (-1, 3)):
+        whole = np.random.default_rng(count).integers(low, high, count)
+        assert arrays.INTS.pack(whole) == msgpack.packb(whole.tolist())
+        np.testing.assert_array_equal(arrays.INTS.unpack(whole.tolist()), whole)
 
 
 def test_a_matrix_travels_as_lists_of_singles() -> None:
