@@ -44,6 +44,7 @@ pictures: $(VENV)/installed
 		$(BIN)/crosstrack fly examples/$$name.yaml --out runs/$$name --png || exit 1; \
 		cp runs/$$name/together.png docs/pictures/$$name.png; done
 	$(BIN)/python examples/potential_field.py
+	$(BIN)/python examples/airsim_views.py docs/pictures/airsim_views.png
 	for law in $(FOLLOWERS); do \
 		$(BIN)/crosstrack fly examples/square.yaml --out runs/$$law --png --set tracker.kind=$$law --set speed=8 \
 			--set 'wind={mean: [3, 2, 0], gusts: moderate}' || exit 1; \

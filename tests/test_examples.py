@@ -1,6 +1,8 @@
 """The missions that ship: each says what it is documented to say, and flies to its end."""
 
 import math
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from PIL import Image
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.summary import summary
@@ -181,3 +184,14 @@ def test_the_city_flight_takes_off_flies_over_roofs_and_stays_clear() -> None:
     assert (roofs < 0).all()
     assert flown("city")["min_clearance_m"] > plan.vehicle.radius
     assert flight_of("city").outcome is Outcome.ARRIVED
+
+
+def test_what_a_camera_on_the_server_sees_is_drawn(tmp_path: Path) -> None:
+    """Sky above, ground below, and something between, in each of the four pictures."""
+    out = tmp_path / "views.png"
+    subprocess.run([sys.executable, str(FOLDER / "airsim_views.py"), str(out)], check=True, capture_output=True)
+    pixels = np.asarray(Image.open(out)).astype(int)
+    assert pixels.shape == (576, 1024, 3)
+    for part in (pixels[:288, :512], pixels[:288, 512:], pixels[288:, :512], pixels[288:, 512:]):
+        assert np.abs(part[10, 200] - part[-10, 200]).max() > 30
+        assert len(np.unique(part.reshape(-1, 3), axis=0)) >= 5
