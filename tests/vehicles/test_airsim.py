@@ -98,7 +98,8 @@ def test_other_clocks_are_handled(how: dict[str, Any], stepping: str) -> None:
     """A clock that runs on by itself, faster than real time, and one that is stopped between two commands."""
     _, flown = both(missions.loads(HOP), how, stepping=stepping)
     assert flown.outcome is Outcome.ARRIVED
-    assert summary(flown)["cross_track_rms_m"] < 0.3
+    # A clock that runs on while commands are late on a busy machine: the vehicle holds its place meanwhile.
+    assert summary(flown)["cross_track_rms_m"] < (0.15 if stepping == "paused" else 0.6)
 
 
 def test_it_can_be_flown_to_the_start() -> None:
@@ -136,7 +137,7 @@ vehicles:
   - {name: c, start: {position: [0, -4, 5]}, route: [[0, 4, 5]]}
 """
     with serving() as server:
-        mission = in_airsim(missions.loads(text), server, stepping="paused")
+        mission = in_airsim(missions.loads(text), server)
         flights = ct.fly_together(mission)
         assert {"a", "b", "c"} <= set(server.simulator.vehicles)
     assert [flight.outcome for flight in flights] == [Outcome.ARRIVED] * 3

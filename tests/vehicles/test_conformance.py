@@ -19,7 +19,7 @@ VEHICLES: list[tuple[str, dict[str, Any]]] = [
     *(("quadrotor", {"airframe": airframe}) for airframe in ("crazyflie", "racer")),
     ("point", {"lag": 0.3}),
     ("point", {"acceleration": 4.0}),
-    ("airsim", {"stepping": "paused"}),
+    ("airsim", {"stepping": "running"}),
 ]
 CLOSE = {"airsim": 0.05}
 """m and rad, of the start asked for, where a vehicle must fly to it"""
