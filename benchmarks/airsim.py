@@ -99,6 +99,15 @@ def rates(taken: list[float], gain: float = 1.0) -> str:
     return spread(gain / np.array(taken))
 
 
+def ended(process: "subprocess.Popen[str]") -> None:
+    """Wait for the end of a server, and make it end where that takes too long."""
+    try:
+        process.wait(30)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        print("the server did not end by itself")
+
+
 @contextmanager
 def server() -> Iterator[int]:
     """Serve until the block ends; give the port."""
@@ -113,6 +122,7 @@ def server() -> Iterator[int]:
                 yield int(found[1])
             finally:
                 process.send_signal(signal.SIGINT)
+                ended(process)
 
 
 def clock(client: Client, step_rates: list[tuple[str, list[float]]]) -> None:

@@ -76,8 +76,11 @@ def fly(client: Client) -> tuple[dict[str, Any], MultirotorState, CollisionInfo,
     moved = client.get_multirotor_state("One")
     drawn(client)
     client.takeoff(vehicle="Two").join()
+    client.pause(True)  # for the first to end at once whenever the second comes
     first = client.move_to_position(-50.0, 0.0, -5.0, 2.0, vehicle="Two")
-    answers["by velocity"] = client.move_by_velocity(5.0, 0.0, 0.0, 5.0, vehicle="Two").join()
+    second = client.move_by_velocity(5.0, 0.0, 0.0, 5.0, vehicle="Two")
+    client.pause(False)
+    answers["by velocity"] = second.join()
     answers["superseded"] = first.join()
     hit = client.get_collision_info("Two")
     for _ in range(20):

@@ -9,13 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crosstrack.airsim.arrays import SINGLES
+from crosstrack.airsim.arrays import INTS, SINGLES, UINTS
 from crosstrack.airsim.bulk import DEEP, LONG, decode_bulk
+from crosstrack.airsim.codec import BadCast
 from crosstrack.airsim.messages import MOST_CONTAINERS, BadStream, decode
 
 PLAIN = st.none() | st.booleans() | st.integers(-(2**40), 2**40) | st.text(max_size=40) | st.binary(max_size=400)
 SINGLE = st.floats(allow_nan=False, width=32)
-LISTS = st.lists(SINGLE, min_size=1, max_size=3).map(lambda few: few * LONG)
+LISTS = (st.lists(SINGLE, min_size=1, max_size=3) | st.lists(st.integers(-40, 300), min_size=1, max_size=3)).map(
+    lambda few: few * LONG
+)
 VALUES = st.recursive(
     PLAIN | SINGLE | LISTS,
     lambda inside: st.lists(inside, max_size=4) | st.dictionaries(st.text(max_size=5), inside, max_size=4),
@@ -23,13 +26,15 @@ VALUES = st.recursive(
 )
 
 
+BYTES = st.lists(st.sampled_from([-33, -32, -1, 0, 127, 128, 203, 204, 205, 255]), min_size=1, max_size=7)
+
+
 def same(bulk: Any, plain: Any) -> bool:
     """Return whether two decoded values agree, with an array standing for a list of singles."""
     match bulk:
         case np.ndarray():
-            return bulk.dtype == np.float32 and [type(one) for one in plain] == [float] * len(bulk) and (
-                np.array(plain).tolist() == bulk.tolist()
-            )  # fmt: skip
+            kind = float if bulk.dtype == np.float32 else int
+            return {type(one) for one in plain} == {kind} and plain == bulk.tolist()
         case list():
             return len(bulk) == len(plain) and all(map(same, bulk, plain))
         case dict():
@@ -55,6 +60,27 @@ def test_a_long_list_of_singles_is_an_array_and_what_follows_is_read(count: int,
     assert middle == {"after": rest}
     assert np.array_equal(two, numbers[::-1])
     assert np.array_equal(SINGLES.unpack(one), numbers)
+
+
+@given(BYTES, st.lists(st.sampled_from([0, 204, 255]), max_size=4), st.binary(max_size=3))
+def test_a_long_list_of_small_integers_is_an_array(some: list[int], last: list[int], rest: bytes) -> None:
+    integers = some * LONG + last
+    found, after = decode_bulk(msgpack.packb([integers, rest]))
+    assert after == rest
+    assert isinstance(found, list if -33 in integers else np.ndarray)
+    assert list(found) == integers
+    assert INTS.unpack(found).tolist() == integers
+    if min(integers) < 0:
+        with pytest.raises(BadCast):
+            UINTS.unpack(found)
+    else:
+        assert UINTS.unpack(found).tolist() == integers
+
+
+def test_numbers_that_are_not_integers_are_none() -> None:
+    (found,) = decode_bulk(b"\x91" + SINGLES.pack(np.ones(LONG)))
+    with pytest.raises(BadCast):
+        INTS.unpack(found)
 
 
 def test_numbers_that_are_not_finite_come_through() -> None:

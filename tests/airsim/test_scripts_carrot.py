@@ -30,7 +30,10 @@ def command(folder: Path) -> Iterator[int]:
             yield int(found[1])
         finally:
             server.send_signal(signal.SIGINT)
-            server.wait(30)
+            try:
+                assert server.wait(30) == 0
+            finally:
+                server.kill()
 
 
 def chase(speed: float, port: int, folder: Path) -> dict[str, Any]:

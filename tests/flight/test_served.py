@@ -56,7 +56,9 @@ def test_moving_vehicles_are_sampled_20_times_a_second_of_simulated_time() -> No
 def test_velocity_is_the_derivative_of_position() -> None:
     track, path = flown().session.tracks["One"], named("moveOnPath")[-1]
     rows = np.flatnonzero((track.time > path.begins) & (track.time < path.ends))[1:-1]
-    slope = (track.position[rows + 1] - track.position[rows - 1]) / (track.time[rows + 1] - track.time[rows - 1])[:, None]
+    slope = (track.position[rows + 1] - track.position[rows - 1]) / (track.time[rows + 1] - track.time[rows - 1])[
+        :, None
+    ]
     np.testing.assert_allclose(slope, track.velocity[rows], atol=0.15)
 
 
@@ -99,7 +101,6 @@ def test_collisions_are_where_the_ball_of_the_vehicle_touches_the_wall() -> None
     by_velocity = named("moveByVelocity", "Two")[0]
     assert by_velocity.begins < first.begins < by_velocity.ends
     np.testing.assert_allclose(at(flown().session.tracks["Two"], first.begins), first.position, atol=0.3)
-    assert len(flown().session.collisions) < first.count
 
 
 def test_standing_on_the_ground_is_no_collision() -> None:

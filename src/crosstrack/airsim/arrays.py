@@ -11,11 +11,9 @@ import msgpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crosstrack.airsim.codec import SINGLE_MARK, BadCast, array_header, listed, mapped
+from crosstrack.airsim.codec import BYTE_MARK, SINGLE_MARK, BadCast, array_header, listed, mapped
 from crosstrack.types import Array
 
-BYTE_MARK, SMALLEST = 0xCC, 127
-"""before an integer of one byte, and the largest that needs none"""
 NUMBERS = {float, int}
 """types that stand for a number; bool is none of them"""
 
@@ -141,11 +139,15 @@ class Wholes:
             packed: bytes = msgpack.packb(numbers.tolist())
             return packed
         marked, shown = np.full((len(numbers), 2), BYTE_MARK, np.uint8), np.ones((len(numbers), 2), bool)
-        marked[:, 1], shown[:, 0] = numbers, numbers > SMALLEST
+        marked[:, 1], shown[:, 0] = numbers, numbers > 127
         return array_header(len(numbers)) + marked[shown].tobytes()
 
     def unpack(self, wire: object) -> NDArray[Any]:
-        """Return the integers of a list."""
+        """Return the integers of a list, or of an array that was decoded as one already."""
+        if isinstance(wire, np.ndarray):
+            if wire.dtype.kind == "i" and (self.kind is np.int32 or (wire >= 0).all()):
+                return wire.astype(self.kind)
+            raise BadCast("a list of integers holds something else")
         given = listed(wire)
         try:
             if {*map(type, given)} <= {int}:

@@ -17,6 +17,8 @@ import msgpack
 from crosstrack.errors import CrosstrackError
 
 SINGLE_MARK, DOUBLE_MARK = b"\xca", b"\xcb"
+BYTE_MARK = 0xCC
+"""before an integer from 128 to 255"""
 
 
 class BadCast(CrosstrackError):  # noqa: N818 - the protocol's word for it

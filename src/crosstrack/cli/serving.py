@@ -45,6 +45,7 @@ def serve(
     mission = missions.load(world) if world is not None else None
     given = read(settings, mission)
     obstacles = None if mission is None else mission.obstacles
+    folder = None if out is None else emptied(out)
     announce("Getting ready", "airsim")
     warm_up(obstacles)
     simulator = simulator_of(
@@ -57,18 +58,10 @@ def serve(
         radius=RADIUS if mission is None else mission.vehicle.radius,
     )
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
-    address = host or given.address
     number = given.api_server_port if port is None else port
-
-    def ready(found: int) -> None:
-        names = ", ".join(simulator.vehicles)
-        pace = "in lockstep with its clients" if lockstep else f"at {simulator.clock.speed:g} times real time"
-        say(f"Serving AirSim's API at {address}:{found}, {pace}: {names}. Ctrl-C ends it.")
-
-    folder = None if out is None else emptied(out)
     with Ending() as ending:
         recorder = None if folder is None else Recorder(simulator, folder / LOG)
-        asyncio.run(until(ending, simulator, address, number, ready))
+        asyncio.run(until(ending, simulator, host or given.address, number))
         if recorder is not None and folder is not None:
             write(recorder, folder, "AirSim session" if mission is None else f"AirSim session in {mission.name}")
     return DONE
@@ -93,8 +86,14 @@ def write(recorder: Recorder, folder: Path, title: str) -> None:
     say(f"{folder / LOG} and {folder / REPORT} are written.")
 
 
-async def until(ending: "Ending", simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:
+async def until(ending: "Ending", simulator: Simulator, host: str, port: int) -> None:
     """Serve until told to end."""
+
+    def ready(found: int) -> None:
+        clock, names = simulator.clock, ", ".join(simulator.vehicles)
+        pace = "in lockstep with its clients" if clock.lockstep else f"at {clock.speed:g} times real time"
+        say(f"Serving AirSim's API at {host}:{found}, {pace}: {names}. Ctrl-C ends it.")
+
     serving = asyncio.ensure_future(served(simulator, host, port, ready))
     ending.then(asyncio.get_running_loop(), serving)
     with suppress(asyncio.CancelledError):

@@ -199,7 +199,7 @@ class Recorder:
             self._tell(COLLISIONS, {"vehicle": name, "object": thing, "begins_s": self.time, "position_m": at})
 
     def _tell(self, topic: str, values: dict[str, Any]) -> None:
-        if self.log is not None:
+        if self.log is not None and self.log.open:
             self.log.told(topic, self.simulator.now, values)
 
     def _flush(self) -> None:
@@ -208,6 +208,7 @@ class Recorder:
         for name, rows in self._unwritten.items():
             self.log.rows(name, rows)
         self._unwritten.clear()
+        self.log.flush()
         markers = self.simulator.scene.markers
         fresh = min(len(markers.drawn) + markers.dropped - self._drawn, len(markers.drawn))
         if fresh:

@@ -55,6 +55,7 @@ class SessionLog:
         """why it ended before the session did; empty where it did not"""
         self._size = 0
         self._markers = 0
+        self._texts: list[tuple[str, int, bytes]] = []
         self._channels: dict[str, int] = {}
         self._file = ChunkWriter(path)
         self._file.metadata("session", {"begins": str(begins)})
@@ -64,23 +65,30 @@ class SessionLog:
         self._write(lambda: self._tracked(name, np.array(rows)))
 
     def told(self, topic: str, time: int, values: dict[str, Any]) -> None:
-        """Write what happened at a time (ns), as JSON."""
+        """Keep what happened at a time (ns), as JSON, until it is written."""
         text = Builder()
         text.text(json.dumps(values, ensure_ascii=False))
-        self._write(lambda: self._once(topic, time, bytes(text.data)))
+        self._texts.append((topic, time, bytes(text.data)))
+
+    def flush(self) -> None:
+        """Write what was told."""
+        texts, self._texts = self._texts, []
+        if texts:
+            self._write(lambda: self._messages(texts))
 
     def drawn(self, markers: Sequence[Marker], time: int) -> None:
         """Write what was drawn until a time (ns)."""
         data = served_markers.message(markers, self._markers)
         self._markers += served_markers.count(markers)
-        self._write(lambda: self._once(MARKERS, time, data))
+        self._write(lambda: self._messages([(MARKERS, time, data)]))
 
     def objects(self, meshes: Sequence[Mesh], time: int) -> None:
         """Write the obstacles as they are at a time (ns)."""
-        self._write(lambda: self._once(OBJECTS, time, still.markers(meshes)))
+        self._write(lambda: self._messages([(OBJECTS, time, still.markers(meshes))]))
 
     def close(self, outcome: dict[str, str]) -> None:
-        """Write how it ended, and the index."""
+        """Write what is left, how it ended, and the index."""
+        self.flush()
         if self.open:
             self._write(lambda: self._finish(outcome))
         self.open = False
@@ -106,12 +114,16 @@ class SessionLog:
         self.open, self.ended = False, why
         log.warning("the log %s ends: %s", self.path, why)
 
-    def _once(self, topic: str, time: int, data: bytes) -> None:
-        """Write one message at a time (ns), as a chunk of its own."""
-        channel, at = self._channel(topic, KINDS[topic]), max(time, 0)
-        self._size += len(data)
-        message = Message(channel_id=channel, log_time=at, data=data, publish_time=at, sequence=0)
-        self._file.chunk(packed(message), {channel: np.array([[at, 0]], dtype=np.uint64)})
+    def _messages(self, messages: Sequence[tuple[str, int, bytes]]) -> None:
+        """Write topic, time (ns) and data of messages as one chunk."""
+        records = bytearray()
+        index: dict[int, list[tuple[int, int]]] = {}
+        for topic, time, data in messages:
+            channel, at = self._channel(topic, KINDS[topic]), max(time, 0)
+            index.setdefault(channel, []).append((at, len(records)))
+            records += packed(Message(channel_id=channel, log_time=at, data=data, publish_time=at, sequence=0))
+        self._size += len(records)
+        self._file.chunk(bytes(records), {channel: np.array(rows, dtype=np.uint64) for channel, rows in index.items()})
 
     def _tracked(self, name: str, rows: Array) -> None:
         flown = track(rows)

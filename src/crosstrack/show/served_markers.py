@@ -24,6 +24,8 @@ LIGHTEST = 0.75
 WIDTH = 4
 DOT = (2.0, 8.0)
 """pixels, the smallest and the largest point"""
+FARTHEST = 1e9
+"""m, beyond which nothing is drawn: single numbers end somewhere"""
 SHORTEST_AXIS = 0.02
 """of the longest side of the view, of an axis of a transform"""
 BARB, SPREAD = 0.2, 0.08
@@ -91,7 +93,7 @@ def strokes(markers: Sequence[Marker], side: float) -> list[Stroke]:
         Stroke(
             kind,
             color,
-            np.concatenate([drawn for drawn, _, _ in group]),
+            np.concatenate([drawn for drawn, _, _ in group]).clip(-FARTHEST, FARTHEST),
             float(np.clip(np.median([size for _, size, _ in group]) / 2, *DOT)),
             tuple(text for _, _, texts in group for text in texts),
         )
@@ -131,7 +133,7 @@ def pieces(marker: Marker, side: float) -> Iterator[tuple[str, Color, Array, tup
         case "arrows":
             yield "arrows", marker.color, gapped(arrows(at.reshape(-1, 2, 3))), ()
         case "transforms" if marker.orientations is not None:
-            length = max(CENTIMETRE * marker.size, SHORTEST_AXIS * side)
+            length = float(np.clip(CENTIMETRE * marker.size, SHORTEST_AXIS * side, side))
             ends = axes(at, marker.orientations, length).reshape(-1, 3, 2, 3)
             for number, color in enumerate(RED_GREEN_BLUE):
                 yield "transforms", color, gapped(ends[:, number]), ()

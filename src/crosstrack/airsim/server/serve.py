@@ -19,6 +19,7 @@ from crosstrack.airsim.server.settings import Settings, parse
 from crosstrack.airsim.server.simulator import Simulator
 from crosstrack.airsim.server.transport import Listener
 from crosstrack.airsim.structs import ImageRequest
+from crosstrack.world.shapes import Box
 from crosstrack.world.world import World
 
 SCENE, SEGMENTATION = 0, 5
@@ -74,11 +75,15 @@ def warm_up(world: World | None) -> None:
         HANDLERS[f"get{kind}Data"](simulator, "", "")
     requests = [ImageRequest("0", kind, kind not in {SCENE, SEGMENTATION}, False) for kind in range(IMAGE_TYPES)]
     HANDLERS["simGetImages"](simulator, requests, "", False)
-    here, there = np.zeros(3), np.ones(3)
-    obstacles = simulator.scene.world
-    obstacles.distance(here)
-    obstacles.gradient(here)
-    obstacles.swept(here, there)
+    touch_something()
+
+
+def touch_something() -> None:
+    """Compile what a first contact needs, in a world with an obstacle: a client may put one into any."""
+    world, here, there = World((Box((1.0, 1.0, 1.0), (2.0, 2.0, 2.0)),)), np.zeros(3), np.ones(3)
+    world.distance(here)
+    world.gradient(here)
+    world.swept(here, there)
 
 
 async def serve(simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:
