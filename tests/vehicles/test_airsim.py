@@ -102,6 +102,12 @@ def test_other_clocks_are_handled(how: dict[str, Any], stepping: str) -> None:
     assert summary(flown)["cross_track_rms_m"] < (0.15 if stepping == "paused" else 0.6)
 
 
+@pytest.mark.parametrize("rate", [10, 25, 100])
+def test_any_rate_of_commands_will_do(rate: int) -> None:
+    embedded, flown = both(missions.loads(HOP + f"timing: {{rate: {rate}}}\n"))
+    check(embedded, flown)
+
+
 def test_it_can_be_flown_to_the_start() -> None:
     mission = missions.loads("start: {position: [4, 3, 5]}\nroute: [[8, 3, 5]]\n")
     with serving() as server:

@@ -64,7 +64,11 @@ class Flying:
     def launch(self) -> None:
         """Put the vehicle into its scenario."""
         plan = self.plan
-        self.session = plan.vehicle.launch(plan.scenario)
+        try:
+            self.session = plan.vehicle.launch(plan.scenario)
+        except LinkLost:
+            self.outcome = Outcome.LINK_LOST
+            raise
         self.closing.callback(self.session.close)
         with self.ending():
             self.before = self.now = self.session.truth()

@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Le
 
-from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Scenario
 from crosstrack.types import Air, Array, Envelope, Positive, State
 from crosstrack.vehicles.airsim.session import AirSimSession
@@ -15,8 +14,6 @@ AIRSIM_AIR = Air(temperature=287.36, pressure=99868.0)
 """at the height of AirSim's usual home, 122 m"""
 COMMAND_TIME = 0.04
 """s, from a state to the command that follows from it, of a command that is held for 20 ms"""
-WIDEST_PERIOD = 0.06
-"""s, after which simple_flight takes the commands to have ceased"""
 
 
 @dataclass(frozen=True)
@@ -48,14 +45,7 @@ class AirSim:
         return Quadrotor(radius=self.radius)
 
     def envelope(self, scenario: Scenario) -> Envelope:
-        """Return what it can do: as the embedded quadrotor of the same airframe, and a command later.
-
-        Raises:
-            InputError: commands would be too far apart.
-        """
-        if scenario.period > WIDEST_PERIOD:
-            message = f"must be at least {1 / WIDEST_PERIOD:.0f} commands a second for AirSim to go on obeying"
-            raise InputError("vehicle airsim", [Problem("timing.rate", f"{message}, found {1 / scenario.period:g}")])
+        """Return what it can do: as the embedded quadrotor of the same airframe, and a command later."""
         known = self.stand_in.envelope(replace(scenario, air=AIRSIM_AIR))
         return replace(known, response_time=known.response_time + COMMAND_TIME)
 
