@@ -433,3 +433,26 @@ def test_standing_on_the_ground_is_no_collision_again_and_again() -> None:
     before = aloft.vehicle.collision.time_stamp
     aloft.idle(2.0)
     assert aloft.vehicle.collision.time_stamp == before
+
+
+def test_vehicles_that_meet_bounce_off_and_say_whom_they_met() -> None:
+    simulator = Simulator(Scene(World()), Clock(lockstep=True))
+    start = Pose(np.array([6.0, 0.0, 0.0]))
+    first, second = simulator.add_vehicle("First", Pose()), simulator.add_vehicle("Second", start)
+    gap: list[float] = []
+    simulator.observers.append(
+        lambda: gap.append(float(np.linalg.norm(first.pose().position - second.pose().position)))
+    )
+    for vehicle in (first, second):
+        call(simulator, "enableApiControl", True, vehicle.name)
+        simulator.fly(vehicle, vertical.take_off(vehicle, 20))
+    first.slot.begin(velocity.move_by_velocity(first, 2, 0, 0, 4, 0, AS_IT_IS), simulator.now, lambda *_: None)
+    simulator.fly(second, velocity.move_by_velocity(second, -2, 0, 0, 4, 0, AS_IT_IS))
+    radius = simulator.scene.radius
+    assert 2 * radius - 0.2 < min(gap) < 2 * radius
+    assert first.pose().position[0] < second.pose().position[0]  # neither went through
+    for vehicle, other in ((first, second), (second, first)):
+        info = call(simulator, "simGetCollisionInfo", vehicle.name)
+        assert info.has_collided
+        assert info.object_name == other.name
+    assert np.linalg.norm(second.kinematics().linear_velocity) < 5

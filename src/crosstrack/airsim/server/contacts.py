@@ -1,12 +1,14 @@
-"""What a served vehicle hits: the ground as a point does, everything else as a ball does."""
+"""What a served vehicle hits: the ground as a point does, everything else, other vehicles too, as a ball does."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from crosstrack import frames
 from crosstrack.airsim.firmware.quadrotor import Quadrotor
+from crosstrack.airsim.scene.names import first_number
 from crosstrack.airsim.scene.scene import Scene
 from crosstrack.airsim.structs import CollisionInfo
 from crosstrack.types import Array
@@ -72,6 +74,23 @@ class Feeler:
             return None
         self._free = 0.0
         return ball_hit(scene, before, now)
+
+
+def vehicle_hit(radius: float, position: Array, others: Iterable[tuple[str, Array]]) -> Hit | None:
+    """Return the first of other vehicles that one at a position (3,) m, world NED, has hit: all are balls of a radius.
+
+    Args:
+        radius: m
+        position: of the vehicle
+        others: their names and positions
+    """
+    for name, other in others:
+        apart = position - other
+        distance = float(np.linalg.norm(apart))
+        if 0.0 < distance < 2.0 * radius:
+            depth = 2.0 * radius - distance
+            return Hit(position, apart / distance, radius - 0.5 * depth, depth, name, first_number(name))
+    return None
 
 
 def ground_hit(scene: Scene, last: Array, position: Array, floor: float) -> Hit:

@@ -211,8 +211,9 @@ class Simulator:
         steps = max(min(most, -(-(wake - clock.now) // clock.tick)), 1)
         fly(self.rows, clock.now, clock.tick, steps, triple(self.wind), triple(self.push))
         clock.advance(steps)
-        for vehicle in self.vehicles.values():
-            vehicle.feel(self.scene)
+        flown = list(self.vehicles.values())
+        for vehicle in flown:
+            vehicle.feel(self.scene, [other for other in flown if other is not vehicle])
         for observe in self.observers:
             observe()
         for vehicle in self.vehicles.values():

@@ -1,5 +1,6 @@
 """One vehicle of the server: body, firmware, task, and what the API tells of it."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from crosstrack.airsim.firmware import air, airframe
 from crosstrack.airsim.firmware.quadrotor import Quadrotor
 from crosstrack.airsim.scene.earth import geodetic
 from crosstrack.airsim.server.clock import Clock
-from crosstrack.airsim.server.contacts import Feeler, touch
+from crosstrack.airsim.server.contacts import Feeler, touch, vehicle_hit
 from crosstrack.airsim.server.task import Slot
 from crosstrack.airsim.structs import (
     CollisionInfo,
@@ -136,10 +137,13 @@ class ServedVehicle:
         )
         return RotorStates(states, self.now)
 
-    def feel(self, scene: Any) -> None:
-        """Find out whether it has hit something since it was last asked."""
+    def feel(self, scene: Any, others: Sequence["ServedVehicle"]) -> None:
+        """Find out whether it has hit something, or one of other vehicles, since it was last asked."""
         position = self.start.position + self.quadrotor.position
-        solid = getattr(self.settings, "enable_collisions", True)
-        hit = self.feeler.feel(scene, position, bool(self.quadrotor["grounded"]), solid)
+        solid, grounded = getattr(self.settings, "enable_collisions", True), bool(self.quadrotor["grounded"])
+        hit = self.feeler.feel(scene, position, grounded, solid)
+        if hit is None and others and solid and not grounded:
+            there = ((other.name, other.start.position + other.quadrotor.position) for other in others)
+            hit = vehicle_hit(scene.radius, position, there)
         if hit is not None:
             self.collision = touch(self.quadrotor, hit, self.start.position, self.now)
