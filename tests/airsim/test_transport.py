@@ -63,7 +63,7 @@ def test_errors_are_those_of_rpclib(caplog: pytest.LogCaptureFixture) -> None:
 
 def test_replies_come_in_the_order_of_completion() -> None:
     with toy() as server, server.connect() as link:
-        for number, seconds in enumerate((0.3, 0.15, 0.0)):
+        for number, seconds in enumerate((0.9, 0.6, 0.3)):
             link.sendall(msgpack.packb([0, number, "takeoff", [seconds, ""]]))
         link.sendall(msgpack.packb([0, 3, "ping", []]))
         assert [reply[1] for reply in replies(link, 4)] == [3, 2, 1, 0]

@@ -133,6 +133,15 @@ def test_wind_is_told_and_withstood() -> None:
     assert np.std(flown.record.wind, axis=0).max() > 0.1
 
 
+def test_a_vehicle_that_hovers_after_a_flight_stays_where_it_is() -> None:
+    """With the clock running on: it is still told to hold its place."""
+    with serving(lockstep=False) as server:
+        assert ct.fly(in_airsim(missions.loads(HOP), server)).outcome is Outcome.ARRIVED
+        place = server.simulator.vehicle("").kinematics().position
+        time.sleep(1.5)
+        np.testing.assert_allclose(server.simulator.vehicle("").kinematics().position, place, atol=0.3)
+
+
 def test_several_vehicles_fly_together_and_are_added_where_airsim_has_none() -> None:
     text = """
 avoid: [{kind: orca}]
@@ -142,7 +151,7 @@ vehicles:
   - {name: b, start: {position: [4, 0.2, 5]}, route: [[-4, 0.2, 5]]}
   - {name: c, start: {position: [0, -4, 5]}, route: [[0, 4, 5]]}
 """
-    with serving() as server:
+    with serving(radius=0.2) as server:
         mission = in_airsim(missions.loads(text), server)
         flights = ct.fly_together(mission)
         assert {"a", "b", "c"} <= set(server.simulator.vehicles)
@@ -249,6 +258,26 @@ def test_airsim_s_lidar_sees_what_the_mission_s_would(change: Callable[[dict[str
     # Rays that graze an edge or a slope differ: those of AirSim are up to half a beam beside ours.
     assert np.median(np.abs(scan.ranges[both_hit] - own.ranges[both_hit])) < 0.03
     np.testing.assert_allclose(scan.origin, own.origin, atol=1e-3)
+
+
+@pytest.mark.parametrize("options", [{"fov_deg": 90.0, "columns": 90}, {"rate": 2.5, "columns": 72}, {"columns": 57}])
+def test_no_beam_of_a_lidar_in_a_closed_room_is_empty(options: dict[str, Any]) -> None:
+    """Whatever its field of view, rate and columns: an empty beam would count as free space."""
+    walls = "world: {shapes: [{box: {min: [5, -9, -1], max: [6, 9, 9]}}, {box: {min: [-6, -9, -1], max: [-5, 9, 9]}}, "
+    walls += "{box: {min: [-6, 5, -1], max: [6, 6, 9]}}, {box: {min: [-6, -6, -1], max: [6, -5, 9]}}]}\n"
+    sensor = Lidar(noise=0.0, rings=4, lowest_deg=-10.0, highest_deg=10.0, **options)
+    mission = replace(missions.loads("start: {position: [0, 0, 4]}\nroute: [[1, 0, 4]]\n" + walls), sensors=(sensor,))
+    with serving_mission(mission) as server:
+        plan = in_airsim(mission, server).build()
+        session = plan.vehicle.launch(plan.scenario)
+        scans = list(session.scans())
+        for _ in range(60):
+            session.advance(Setpoint(velocity=np.zeros(3)), 0.02)
+            scans += session.scans()
+        session.close()
+    assert len(scans) >= 3
+    for scan in scans:
+        assert np.isfinite(scan.ranges).all()
 
 
 @pytest.mark.parametrize("change", [lambda _: None, planar])

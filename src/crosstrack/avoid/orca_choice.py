@@ -79,7 +79,8 @@ def put_others(
     for j in range(others.shape[0]):
         x, y, z = others[j, 0] - position[0], others[j, 1] - position[1], others[j, 2] - position[2]
         away[j] = x * x + y * y + z * z
-    for j in np.argsort(away):
+    for next_nearest in np.argsort(away):
+        j = int(next_nearest)
         touch = own + radius[j]
         vx, vy, vz = velocity[0] - motion[j, 0], velocity[1] - motion[j, 1], velocity[2] - motion[j, 2]
         px, py, pz = others[j, 0] - position[0], others[j, 1] - position[1], others[j, 2] - position[2]

@@ -6,7 +6,7 @@ import logging
 import os
 import signal
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import FrameType
 
@@ -45,7 +45,6 @@ def serve(
     mission = missions.load(world) if world is not None else None
     given = read(settings, mission)
     obstacles = None if mission is None else mission.obstacles
-    folder = None if out is None else emptied(out)
     announce("Getting ready", "airsim")
     warm_up(obstacles)
     simulator = simulator_of(
@@ -59,11 +58,15 @@ def serve(
     )
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
     number = given.api_server_port if port is None else port
-    with Ending() as ending:
-        recorder = None if folder is None else Recorder(simulator, folder / LOG)
-        asyncio.run(until(ending, simulator, host or given.address, number))
-        if recorder is not None and folder is not None:
-            write(recorder, folder, "AirSim session" if mission is None else f"AirSim session in {mission.name}")
+    title = "AirSim session" if mission is None else f"AirSim session in {mission.name}"
+    with Ending() as ending, ExitStack() as recording:
+
+        def begin() -> None:
+            if out is not None:
+                recorder = Recorder(simulator, emptied(out) / LOG)
+                recording.callback(write, recorder, out, title)
+
+        asyncio.run(until(ending, simulator, host or given.address, number, begin))
     return DONE
 
 
@@ -86,10 +89,11 @@ def write(recorder: Recorder, folder: Path, title: str) -> None:
     say(f"{folder / LOG} and {folder / REPORT} are written.")
 
 
-async def until(ending: "Ending", simulator: Simulator, host: str, port: int) -> None:
-    """Serve until told to end."""
+async def until(ending: "Ending", simulator: Simulator, host: str, port: int, begin: Callable[[], None]) -> None:
+    """Serve until told to end; `begin` is called once clients can connect."""
 
     def ready(found: int) -> None:
+        begin()
         clock, names = simulator.clock, ", ".join(simulator.vehicles)
         pace = "in lockstep with its clients" if clock.lockstep else f"at {clock.speed:g} times real time"
         say(f"Serving AirSim's API at {host}:{found}, {pace}: {names}. Ctrl-C ends it.")

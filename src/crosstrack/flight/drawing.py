@@ -1,10 +1,9 @@
 """Drawing a flight into AirSim's world while it is flown: the path, the points chased, the trail."""
 
-from contextlib import suppress
-
 import numpy as np
 
 from crosstrack.airsim.client.blocking import Client
+from crosstrack.airsim.client.errors import RemoteError
 from crosstrack.errors import LinkLost
 from crosstrack.flight.effort import Effort
 from crosstrack.flight.observer import Observer, Sample
@@ -41,31 +40,35 @@ class Drawing(Observer):
 
     def draw(self, plan: Plan) -> None:
         """Draw what is planned."""
-        with suppress(LinkLost):
-            self.client = Client(self.vehicle.host, self.vehicle.port, timeout=TIMEOUT)
-            points = ned_from_enu(plan.route.points)
-            self.client.plot_points(list(points), ASKED, WAYPOINT, -1.0, True)
-            self.line(sampled(plan), PLANNED)
-            self.client.set_trace_line(FLOWN, THICK, self.vehicle.name or plan.scenario.name)
+        self.client = Client(self.vehicle.host, self.vehicle.port, timeout=TIMEOUT)
+        points = ned_from_enu(plan.route.points)
+        self.client.plot_points(list(points), ASKED, WAYPOINT, -1.0, True)
+        self.line(sampled(plan), PLANNED)
+        self.client.set_trace_line(FLOWN, THICK, plan.scenario.name or self.vehicle.name)
 
     def sample(self, row: Sample) -> None:
         """Draw the point chased, and a new course."""
-        if self.plan is not None:
-            self.draw(self.plan)
-            self.plan = None
+        plan, self.plan = self.plan, None
         try:
+            if plan is not None:
+                self.draw(plan)
             if row.course is not None:
                 self.line(row.course, PLANNED)
             if self.client is not None and row.time >= self.due:
                 self.due = row.time + OFTEN
                 self.client.plot_points([ned_from_enu(row.aim)], CHASED, POINT, OFTEN, False)
-        except LinkLost:
-            self.client = None
+        except (LinkLost, RemoteError):
+            self.close()
 
     def end(self, outcome: Outcome, effort: Effort) -> None:
         """Close the connection."""
+        self.close()
+
+    def close(self) -> None:
+        """Draw no more."""
         if self.client is not None:
             self.client.close()
+            self.client = None
 
     def line(self, points: Array, colour: tuple[float, float, float, float]) -> None:
         """Draw a line through points (n, 3) m, to stay."""

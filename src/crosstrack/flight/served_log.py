@@ -34,6 +34,9 @@ ODOMETRY = "nav_msgs/Odometry"
 
 log = logging.getLogger(__name__)
 
+MOST_TEXTS = 1000
+"""that are kept before they are written: while the clock stands still, time alone does not ask for it"""
+
 
 class SessionLog:
     """Write the log of a session; where that fails, say so, and write no more.
@@ -69,6 +72,8 @@ class SessionLog:
         text = Builder()
         text.text(json.dumps(values, ensure_ascii=False))
         self._texts.append((topic, time, bytes(text.data)))
+        if len(self._texts) >= MOST_TEXTS:
+            self.flush()
 
     def flush(self) -> None:
         """Write what was told."""

@@ -111,6 +111,8 @@ class AsyncClient(Calls, asyncio.Protocol):
             raise LinkLost(f"{call.method}: {self.lost}")
         self.number = (self.number + 1) % (1 << 32)
         future: asyncio.Future[Result] = asyncio.get_running_loop().create_future()
+        # That nobody waits for a call is no mistake: what became of it counts as looked at.
+        future.add_done_callback(lambda done: done.cancelled() or done.exception())
         self.calls[self.number] = call, future
         self.transport.write(request(self.number, call.method, arguments))
         return future

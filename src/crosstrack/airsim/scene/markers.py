@@ -44,6 +44,11 @@ class Trace:
     thickness: float
 
 
+def weight(marker: Marker) -> int:
+    """Return the points and letters of a marker."""
+    return len(marker.points) + sum(map(len, marker.texts))
+
+
 class Markers:
     """All that was drawn."""
 
@@ -58,9 +63,9 @@ class Markers:
     def add(self, marker: Marker) -> None:
         """Keep a marker."""
         self.drawn.append(marker)
-        self.points += len(marker.points)
+        self.points += weight(marker)
         while self.points > MOST_POINTS:
-            self.points -= len(self.drawn.popleft().points)
+            self.points -= weight(self.drawn.popleft())
             self.dropped += 1
 
     def flush(self, now: int) -> None:

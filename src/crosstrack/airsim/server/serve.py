@@ -4,6 +4,7 @@ import asyncio
 import json
 import threading
 from collections.abc import Callable
+from functools import cache
 from typing import Self
 
 import numpy as np
@@ -32,8 +33,8 @@ EVERY_SENSOR = {
         }
     }
 }
-STARTING = 300.0
-"""s that a server may take to start aside: the first compiles"""
+STARTING = 60.0
+"""s that a server may take to start aside"""
 
 
 def simulator_of(
@@ -84,6 +85,12 @@ def touch_something() -> None:
     world.distance(here)
     world.gradient(here)
     world.swept(here, there)
+
+
+@cache
+def warmed() -> None:
+    """Compile what a flight needs, once."""
+    warm_up(None)
 
 
 async def serve(simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:
@@ -150,6 +157,7 @@ class Server:
         Raises:
             InputError: nothing can listen there.
         """
+        warmed()
         self.thread.start()
         self.started.wait(STARTING)
         if self.failure is not None:

@@ -129,7 +129,7 @@ class Settings(Section):
 
     sim_mode: Literal["", "Multirotor"] = ""
     """cars and vehicles without physics are not offered"""
-    clock_speed: Annotated[float, Field(gt=0, le=1000)] = 1.0
+    clock_speed: Annotated[float, Field(ge=0.01, le=1000)] = 1.0
     local_host_ip: str = ""
     """address to listen at; empty for this machine only"""
     api_server_port: int = Field(default=PORT, ge=1, le=65535)

@@ -24,8 +24,8 @@ from crosstrack.vehicles.airsim.outer import Outer, angles_of, degrees_of, rates
 
 PATIENCE = 1.5
 """s of the wall, beyond what a call may take, after which the link counts as lost"""
-SLOWEST = 10.0
-"""s of the wall that a second of AirSim's may take"""
+SLOWEST = 150.0
+"""s of the wall that a second of AirSim's may take, as with its clock at a hundredth of real time"""
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 

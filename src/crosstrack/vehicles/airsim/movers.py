@@ -11,23 +11,31 @@ from crosstrack.errors import InputError, LinkLost, Problem
 from crosstrack.frames import ned_from_enu
 from crosstrack.protocols import Traffic
 from crosstrack.types import Array
+from crosstrack.vehicles.airsim.link import LEVEL
 
 BALL, NAME = "Sphere", "crosstrack_ball"
 """the asset, of 1 m, and what the balls are called"""
-LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 class Balls:
     """The balls that hold the moving obstacles of one flight; of several vehicles the first one moves them.
 
+    Args:
+        client: connected to AirSim
+        traffic: what moves
+        alone: whether no other vehicle flies with this one, so that balls that are there were left by an earlier flight
+
     Raises:
         InputError: AirSim has no balls to put there.
     """
 
-    def __init__(self, client: Client, traffic: Traffic | None) -> None:
+    def __init__(self, client: Client, traffic: Traffic | None, alone: bool) -> None:
         self.client, self.traffic = client, traffic
         self.names: list[str] = []
-        if traffic is None or client.list_scene_objects(f"{NAME}.*"):
+        left = client.list_scene_objects(f"{NAME}.*")
+        for name in left if alone else ():
+            client.destroy_object(name)
+        if traffic is None or (left and not alone):
             return
         there = traffic.others(0.0)
         for k, (place, radius) in enumerate(zip(there.position, there.radius, strict=True)):

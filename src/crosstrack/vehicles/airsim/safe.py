@@ -84,7 +84,7 @@ def off(state: State, place: Array) -> float:
 
 
 def leave(link: Link, scenario: Scenario, land: bool) -> None:
-    """Bring the vehicle to rest, then, where asked, to the ground, disarmed; give the control back."""
+    """Bring the vehicle to rest, then, where asked, to the ground, disarmed, and give the control back."""
     client, period = link.client, scenario.period
     stop = Setpoint(velocity=np.zeros(3), yaw=link.yaw)
     state = link.state()[1]
@@ -101,6 +101,6 @@ def leave(link: Link, scenario: Scenario, land: bool) -> None:
             state = link.hold(sink, period)
         client.land(LANDING, link.name).join(NO_END)
         client.arm_disarm(False, link.name)
+        client.enable_api_control(False, link.name)
     else:
-        client.hover(link.name).join(NO_END)
-    client.enable_api_control(False, link.name)
+        client.hover(link.name).join(NO_END)  # control is kept: without it, and without sticks, the vehicle would fall

@@ -128,7 +128,7 @@ class RingFeed:
     def look(self, link: Link) -> Seen:
         """Return the last measurements."""
         found = [link.client.get_distance_sensor_data(name, link.name) for name in self.names]
-        far = np.array([data.distance for data in found])
+        far = np.maximum([data.distance for data in found], 0.0)  # its noise is of both signs
         _, state = link.state()
         place = state.position + axes(state.attitude) @ np.array(self.sensor.position)
         return Seen(max(data.time_stamp for data in found), place, np.where(far <= self.sensor.range, far, np.inf))

@@ -46,10 +46,10 @@ class AirSimSession:
         with ExitStack() as undo:
             self.client = Client(vehicle.host, vehicle.port, timeout=PATIENCE)
             undo.callback(self.client.close)
-            self.link = Link(self.client, vehicle.name or scenario.name, scenario)
+            self.link = Link(self.client, scenario.name or vehicle.name, scenario)
             undo.callback(self.make_safe)
             self.sensing = Sensing(self.link, scenario.sensors)
-            self.balls = Balls(self.client, scenario.traffic)
+            self.balls = Balls(self.client, scenario.traffic, alone=not scenario.name)
             undo.callback(self.balls.clear)
             go_to_start(self.link, scenario, vehicle.begin == "place", vehicle.level == "velocity")
             self.client.get_collision_info(self.link.name)  # what was touched before does not count
@@ -84,8 +84,8 @@ class AirSimSession:
         """Send a command to fly for a time (s), without waiting for it."""
         if self.began is None:
             if self.vehicle.stepping == "paused":
-                self.client.pause(True)
                 self.paused = True
+                self.client.pause(True)
             self.began = self.stamp = self.link.state()[0]  # others may have been launched since
         duration /= self.parts(command, duration)
         held = duration if not self.paused else 2 * duration
@@ -120,6 +120,8 @@ class AirSimSession:
             pending.join(PATIENCE + SLOWEST * duration)
         elif not self.gone_on(duration):
             self.client.continue_for_time(self.ratio * duration).join(PATIENCE + SLOWEST * duration)
+        if pending.done():
+            pending.join()  # what was refused is said
         self.stamp, now = self.link.state()
         assert self.began is not None  # by the command
         time = 1e-9 * (self.stamp - self.began)
@@ -155,9 +157,11 @@ class AirSimSession:
 
     def close(self) -> None:
         """Leave the vehicle safe: at rest in the air, then, unless told otherwise, on the ground and disarmed."""
-        self.balls.clear()
-        self.make_safe()
-        self.client.close()
+        try:
+            self.balls.clear()
+        finally:
+            self.make_safe()
+            self.client.close()
 
     def make_safe(self) -> None:
         """Stop and land, over a new connection where the old one is broken; where that fails, nothing can be done."""

@@ -1,6 +1,7 @@
 """AirSim's settings.json for a mission: the sensors of its vehicles, by names that the flight looks for."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,8 @@ DISTANCE_TYPE, LIDAR_TYPE = 5, 6
 """AirSim's numbers for sensors"""
 DEPTH_PLANAR, DEPTH_PERSPECTIVE = 1, 2
 """and for images of distances, along the axis and along the rays"""
+TURNS = 10
+"""a second, of AirSim's lidars: as often as they are updated, so that each update is a whole turn"""
 BEYOND = 1.0
 """m, that distance sensors reach farther than the mission says: of nothing seen they answer that, and noise of 0.2 m"""
 NEAR = 1e-6
@@ -36,8 +39,9 @@ def lidar_settings(lidar: Lidar) -> dict[str, Any]:
         "Enabled": True,
         "NumberOfChannels": lidar.rings,
         "Range": lidar.range,
-        "RotationsPerSecond": round(lidar.rate),
-        "PointsPerSecond": round(lidar.rings * lidar.columns * lidar.rate),
+        "RotationsPerSecond": TURNS,
+        # Over the whole turn, of which the field of view is cut; one more, so that no column falls between two.
+        "PointsPerSecond": lidar.rings * math.ceil(360.0 / lidar.fov_deg * lidar.columns + 1) * TURNS,
         "HorizontalFOVStart": -half,
         "HorizontalFOVEnd": half,
         "VerticalFOVLower": lidar.lowest_deg,
@@ -99,10 +103,6 @@ def differences(sensors: Sequence[Sensor], settings: Mapping[str, Any]) -> list[
     for k, sensor in enumerate(sensors):
         if not isinstance(sensor, Lidar | DepthCamera | DistanceRing):
             problems.append(Problem(f"sensors[{k}]", f"AirSim has nothing like {type(sensor).__name__}"))
-        elif isinstance(sensor, Lidar) and sensor.rate != round(sensor.rate):
-            problems.append(
-                Problem(f"sensors[{k}].rate", f"AirSim's lidars turn whole times a second, not {sensor.rate}")
-            )
     for group, wanted in sensors_of(sensors).items():
         given = settings.get(group) or {}
         for name, needed in wanted.items():

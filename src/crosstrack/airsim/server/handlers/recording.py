@@ -15,6 +15,7 @@ from crosstrack.airsim.server.handlers.images import pictures
 from crosstrack.airsim.server.settings import RecordedCamera
 from crosstrack.airsim.server.simulator import Simulator
 from crosstrack.airsim.structs import ImageRequest, ImageResponse, Pose
+from crosstrack.errors import InputError, Problem
 
 log = logging.getLogger(__name__)
 COLUMNS = ("VehicleName", "TimeStamp", "POS_X", "POS_Y", "POS_Z", "Q_W", "Q_X", "Q_Y", "Q_Z", "ImageFile")
@@ -65,7 +66,7 @@ class Recorder:
             for name in self.simulator.vehicles:
                 self.record(name)
             self.table.flush()
-        except OSError as error:
+        except (OSError, Refused, ValueError) as error:
             log.warning("the recording ends: %s", error)
             stop(self.simulator)
 
@@ -133,13 +134,20 @@ def fresh(path: Path) -> Path:
 
 
 def prepare(simulator: Simulator) -> None:
-    """Let sensors run, and record where the settings say so: to be called once before the simulator runs."""
+    """Let sensors run, and record where the settings say so: to be called once before the simulator runs.
+
+    Raises:
+        InputError: a camera to record is not there, or the folder cannot be written.
+    """
     equipment(simulator)
     for vehicle in simulator.vehicles.values():
         if vehicle.settings is not None and vehicle.settings.enable_trace:
             simulator.scene.markers.traces.setdefault(vehicle.name, Trace(TRACE_COLOR, TRACE_THICKNESS))
     if settings_of(simulator).recording.enabled:
-        start(simulator)
+        try:
+            start(simulator)
+        except Refused as error:
+            raise InputError("settings.json", [Problem("Recording", str(error))]) from None
 
 
 def start(simulator: Simulator) -> None:
