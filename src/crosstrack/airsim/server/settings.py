@@ -17,12 +17,11 @@ from crosstrack.airsim.scene.cameras.settings import IMAGE_TYPES, CameraSettings
 from crosstrack.airsim.scene.poses import from_angles
 from crosstrack.airsim.scene.section import UNSET, Above, AtLeast, Number, Section
 from crosstrack.airsim.scene.sensors.suite import SensorSettings, usual
+from crosstrack.airsim.server.transport import LOOPBACK, PORT
 from crosstrack.airsim.structs import Pose
 from crosstrack.errors import InputError, Problem
 from crosstrack.frames import Origin
 
-PORT = 41451
-LOOPBACK = "127.0.0.1"
 DEFAULT_VEHICLE = "SimpleFlight"
 MOST_BYTES = 1 << 24
 Sensors = Mapping[str, SensorSettings]
