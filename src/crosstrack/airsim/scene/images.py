@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,6 @@ from crosstrack.airsim.structs import Pose
 from crosstrack.compiled import compiled
 from crosstrack.types import Array
 
-SCENE, DEPTH_PLANAR, DEPTH_PERSPECTIVE, DEPTH_VIS, DISPARITY, SEGMENTATION, NORMALS, INFRARED = range(8)
 Singles = NDArray[np.float32]
 REACH = 10_000.0
 """m, beyond which there is only sky"""
@@ -28,6 +28,19 @@ DEEPEST = 100.0
 """m, that is white in DepthVis"""
 BASELINE = 0.25
 """m, between the front left and the front right camera"""
+
+
+class Kind(IntEnum):
+    """Kinds of images that are made here, by AirSim's numbers."""
+
+    SCENE = 0
+    DEPTH_PLANAR = 1
+    DEPTH_PERSPECTIVE = 2
+    DEPTH_VIS = 3
+    DISPARITY = 4
+    SEGMENTATION = 5
+    NORMALS = 6
+    INFRARED = 7
 
 
 @compiled
@@ -120,14 +133,14 @@ class Shot:
     def numbers(self, image_type: int) -> Singles:
         """Return a picture (n,) as numbers: m, shares of 1, or what is red of a coloured one."""
         match image_type:
-            case 1:
+            case Kind.DEPTH_PLANAR:
                 return self.planar
-            case 2:
+            case Kind.DEPTH_PERSPECTIVE:
                 return np.minimum(self.sighting.ranges, NOTHING).astype(np.float32)
-            case 3:
+            case Kind.DEPTH_VIS:
                 depth: Singles = np.minimum(self.planar / np.float32(DEEPEST), np.float32(1))
                 return depth
-            case 4:
+            case Kind.DISPARITY:
                 with np.errstate(divide="ignore"):
                     shift: Singles = np.minimum(np.float32(BASELINE / (2 * self.half)) / self.planar, np.float32(1))
                 return shift
@@ -136,13 +149,13 @@ class Shot:
     def coloured(self, image_type: int) -> Bytes:
         """Return a picture (n, 3) blue, green, red; numbers as grey from 0 to 1, white beyond."""
         match image_type:
-            case 0:
+            case Kind.SCENE:
                 return self.scene()
-            case 5:
+            case Kind.SEGMENTATION:
                 return self.segmentation()
-            case 6:
+            case Kind.NORMALS:
                 return self.normals()
-            case 7:
+            case Kind.INFRARED:
                 return self.infrared()
         grey = (np.minimum(self.numbers(image_type), np.float32(1)) * np.float32(255)).astype(np.uint8)
         return np.repeat(grey[:, None], 3, axis=1)

@@ -12,6 +12,7 @@ import numpy as np
 from crosstrack.airsim.firmware.airframe import RADIUS
 from crosstrack.airsim.firmware.rows import ARMED, DISARMED
 from crosstrack.airsim.scene.cameras.settings import IMAGE_TYPES
+from crosstrack.airsim.scene.images import Kind
 from crosstrack.airsim.scene.scene import Scene
 from crosstrack.airsim.server.clock import Clock
 from crosstrack.airsim.server.dispatch import Dispatcher
@@ -23,8 +24,6 @@ from crosstrack.airsim.structs import ImageRequest
 from crosstrack.world.shapes import Box
 from crosstrack.world.world import World
 
-SCENE, SEGMENTATION = 0, 5
-"""kinds of images that have no floats"""
 EVERY_SENSOR = {
     "Vehicles": {
         "Warm": {
@@ -74,7 +73,9 @@ def warm_up(world: World | None) -> None:
     simulator.idle(0.1)
     for kind in ("Imu", "Barometer", "Magnetometer", "Gps", "DistanceSensor", "Lidar"):
         HANDLERS[f"get{kind}Data"](simulator, "", "")
-    requests = [ImageRequest("0", kind, kind not in {SCENE, SEGMENTATION}, False) for kind in range(IMAGE_TYPES)]
+    requests = [
+        ImageRequest("0", kind, kind not in {Kind.SCENE, Kind.SEGMENTATION}, False) for kind in range(IMAGE_TYPES)
+    ]
     HANDLERS["simGetImages"](simulator, requests, "", False)
     touch_something()
 

@@ -7,7 +7,7 @@ from crosstrack.airsim.scene.cameras.camera import Camera
 from crosstrack.airsim.scene.cameras.settings import IMAGE_TYPES
 from crosstrack.airsim.scene.detect import RADIUS, detect, wanted
 from crosstrack.airsim.scene.earth import geodetic
-from crosstrack.airsim.scene.images import INFRARED, Shot
+from crosstrack.airsim.scene.images import Kind, Shot
 from crosstrack.airsim.server.errors import Refused
 from crosstrack.airsim.server.handlers.aboard import eye_of
 from crosstrack.airsim.server.handlers.cameras import find, placed
@@ -40,7 +40,7 @@ def take(
         compress=request.compress,
         image_type=image_type,
     )
-    if image_type > INFRARED:
+    if image_type > Kind.INFRARED:
         return replace(answer, message=ABSENT)
     key = id(camera), how.width, how.height, fov
     if key not in shots:
