@@ -5,6 +5,7 @@ import logging
 import socket
 import threading
 import time
+from contextlib import ExitStack
 
 import msgpack
 import pytest
@@ -156,16 +157,15 @@ def flood(link: socket.socket, message: bytes, seconds: float) -> None:
 
 
 def test_replies_that_nobody_fetches_are_bounded_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(transport, "MOST_UNSENT", 4 << 20)
-    with toy() as server, server.connect() as good:
-        bad = [server.connect() for _ in range(12)]
-        for link in bad:
-            link.sendall(msgpack.packb([0, 1, "getSettingsString", []]) * 12)
-        assert until(lambda: server.run(lambda: len(server.listener.connections)) < 12)
-        assert server.run(lambda: sum(each.unsent for each in server.listener.connections)) <= 5 << 20
+    monkeypatch.setattr(transport, "MOST_UNSENT", 2 << 20)
+    with toy() as server, server.connect() as good, ExitStack() as closing:
+        # Each holds a quarter of a mebibyte at least.
+        bad = [closing.enter_context(server.connect()) for _ in range(12)]
+        for link in bad:  # far more than the system keeps for them
+            link.sendall(msgpack.packb([0, 1, "getSettingsString", []]) * 60)
+        assert until(lambda: server.run(lambda: len(server.listener.connections)) < 13)
+        assert server.run(lambda: sum(each.unsent for each in server.listener.connections)) <= 4 << 20
         assert ask(good, 1, "ping")[3] is True
-        for link in bad:
-            link.close()
 
 
 def test_a_client_that_reads_late_gets_every_reply() -> None:
