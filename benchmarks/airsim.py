@@ -214,7 +214,7 @@ def their_times(port: int) -> list[list[float]]:
 
 
 def main() -> None:
-    warm_up(None)
+    warm_up()
     drawn = mujoco_pictures()
     with server() as port:
         theirs = their_times(port)

@@ -3,20 +3,13 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 
 from crosstrack.airsim.firmware.airframe import RADIUS
-from crosstrack.airsim.server.serve import Server, simulator_of, warm_up
+from crosstrack.airsim.server.serve import Server, simulator_of
 from crosstrack.airsim.server.settings import Settings, parse
 from crosstrack.mission.airsim import airsim_settings
 from crosstrack.mission.mission import Mission
 from crosstrack.world.world import World
-
-
-@cache
-def warmed() -> None:
-    """Have everything compiled, once."""
-    warm_up(None)
 
 
 @contextmanager
@@ -30,7 +23,6 @@ def serving(
     clock_speed: float | None = None,
 ) -> Iterator[Server]:
     """Serve a world, by default without any obstacle, until the block ends."""
-    warmed()
     simulator = simulator_of(
         settings or parse("{}"),
         world or World(),

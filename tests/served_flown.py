@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from served import warmed
 
 from crosstrack.airsim.client.blocking import Client
 from crosstrack.airsim.client.errors import RemoteError
-from crosstrack.airsim.server.serve import Server, simulator_of
+from crosstrack.airsim.server.serve import Server, simulator_of, warm_up
 from crosstrack.airsim.server.settings import parse
 from crosstrack.airsim.structs import CollisionInfo, MultirotorState, Pose
 from crosstrack.flight.served import Recorder, Session
@@ -94,7 +93,7 @@ def fly(client: Client) -> tuple[dict[str, Any], MultirotorState, CollisionInfo,
 @cache
 def flown() -> Flown:
     """Return the session; it is flown once."""
-    warmed()
+    warm_up()
     log = Path(tempfile.mkdtemp()) / "session.mcap"
     simulator = simulator_of(parse(TWO), World((WALL,)), lockstep=True)
     recorder = Recorder(simulator, log)

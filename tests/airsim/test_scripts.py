@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 from reference_client import needs_client, run
-from served import warmed
 
-from crosstrack.airsim.server.serve import Server, simulator_of
+from crosstrack.airsim.server.serve import Server, simulator_of, warm_up
 from crosstrack.airsim.server.settings import parse
 
 pytestmark = needs_client
@@ -54,7 +53,7 @@ PAIR = {name: {"VehicleType": "SimpleFlight", "Y": east} for name, east in (("Dr
 @contextmanager
 def blocks(**settings: Any) -> Iterator[Server]:
     """Serve the world of our own."""
-    warmed()
+    warm_up()
     document = {"SettingsVersion": 1.2, "SimMode": "Multirotor", **settings}
     with Server(simulator_of(parse(json.dumps(document)), lockstep=True)) as server:
         yield server

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
-from served import warmed
 
 from crosstrack.airsim.client.blocking import Client
+from crosstrack.airsim.server.serve import warm_up
 from crosstrack.errors import LinkLost
 
 COMMAND = [sys.executable, "-m", "crosstrack", "serve", "--port", "0", "--lockstep"]
@@ -24,7 +24,7 @@ MISSION = "start: {position: [0, 0, 2]}\nroute: [[6, 0, 5]]\nworld: {shapes: [{b
 @contextmanager
 def started(folder: Path, *flags: str) -> Iterator[tuple["subprocess.Popen[str]", int]]:
     """Start a server in a folder; it is killed where it does not end by itself."""
-    warmed()
+    warm_up()
     process = subprocess.Popen([*COMMAND, *flags], cwd=folder, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stderr is not None

@@ -46,7 +46,7 @@ def serve(
     given = read(settings, mission)
     obstacles = None if mission is None else mission.obstacles
     announce("Getting ready", "airsim")
-    warm_up(obstacles)
+    warm_up()
     simulator = simulator_of(
         given,
         obstacles,

@@ -16,7 +16,7 @@ from crosstrack.flight.chunks import ChunkWriter, headed, packed
 from crosstrack.flight.messages import definition
 from crosstrack.flight.scene import Mesh
 from crosstrack.flight.served_track import track
-from crosstrack.flight.topics import WORLD, header, into_body, stamp
+from crosstrack.flight.topics import into_body, odometry, transform
 from crosstrack.types import Array
 
 LARGEST = 1 << 30
@@ -141,7 +141,7 @@ class SessionLog:
         }
         data, index, start = b"", {}, 0
         for topic, kind, layout in ((f"/{name}/odometry", ODOMETRY, odometry), ("/tf", KINDS["/tf"], transform)):
-            channel, built = self._channel(topic, kind), layout(name)
+            channel, built = self._channel(topic, kind), layout(0, name)
             dtype, template = headed(built.dtype(), bytes(built.data), channel)
             buffer = bytearray(template * len(rows))
             messages: Any = np.frombuffer(buffer, dtype=dtype)
@@ -158,27 +158,3 @@ class SessionLog:
         if topic not in self._channels:
             self._channels[topic] = self._file.channel(topic, kind, definition(kind))
         return self._channels[topic]
-
-
-def odometry(name: str) -> Builder:
-    """Lay out nav_msgs/Odometry: pose in the world, twist in the body, covariances not given (zero)."""
-    message = header()
-    message.text(name)
-    message.slot("position", "<f8", 3)
-    message.slot("attitude", "<f8", 4)
-    message.array(np.zeros(36))
-    message.slot("body_velocity", "<f8", 3)
-    message.slot("rate", "<f8", 3)
-    message.array(np.zeros(36))
-    return message
-
-
-def transform(name: str) -> Builder:
-    """Lay out tf2_msgs/TFMessage with one transform, body to world."""
-    message = Builder()
-    message.put("<u4", 1)
-    stamp(message, WORLD)
-    message.text(name)
-    message.slot("position", "<f8", 3)
-    message.slot("attitude", "<f8", 4)
-    return message

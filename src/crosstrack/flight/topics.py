@@ -65,10 +65,10 @@ def vector(column: str, zeros: int = 0, size: int = 3, frame: str = WORLD) -> Ca
     return layout
 
 
-def odometry(_: int) -> Builder:
+def odometry(_: int, body: str = BODY) -> Builder:
     """Lay out nav_msgs/Odometry: pose in the world, twist in the body, covariances not given (zero)."""
     message = header()
-    message.text(BODY)
+    message.text(body)
     message.slot("position", "<f8", 3)
     message.slot("attitude", "<f8", 4)
     message.array(np.zeros(36))
@@ -78,12 +78,12 @@ def odometry(_: int) -> Builder:
     return message
 
 
-def transform(_: int) -> Builder:
+def transform(_: int, body: str = BODY) -> Builder:
     """Lay out tf2_msgs/TFMessage with one transform, body to world."""
     message = Builder()
     message.put("<u4", 1)
     stamp(message, WORLD)
-    message.text(BODY)
+    message.text(body)
     message.slot("position", "<f8", 3)
     message.slot("attitude", "<f8", 4)
     return message

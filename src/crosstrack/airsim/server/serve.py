@@ -4,6 +4,7 @@ import asyncio
 import json
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Self
 
@@ -21,7 +22,6 @@ from crosstrack.airsim.server.settings import Settings, parse
 from crosstrack.airsim.server.simulator import Simulator
 from crosstrack.airsim.server.transport import Listener
 from crosstrack.airsim.structs import ImageRequest
-from crosstrack.world.shapes import Box
 from crosstrack.world.world import World
 
 EVERY_SENSOR = {
@@ -67,9 +67,10 @@ def simulator_of(
     return simulator
 
 
-def warm_up(world: World | None) -> None:
-    """Compile what a flight needs, in a simulation that is thrown away, so that no client waits for it."""
-    simulator = simulator_of(parse(json.dumps(EVERY_SENSOR)), world, lockstep=True)
+@cache
+def warm_up() -> None:
+    """Compile what a flight needs, once, in a simulation that is thrown away, so that no client waits for it."""
+    simulator = simulator_of(parse(json.dumps(EVERY_SENSOR)), lockstep=True)
     simulator.idle(0.1)
     for kind in ("Imu", "Barometer", "Magnetometer", "Gps", "DistanceSensor", "Lidar"):
         HANDLERS[f"get{kind}Data"](simulator, "", "")
@@ -77,21 +78,10 @@ def warm_up(world: World | None) -> None:
         ImageRequest("0", kind, kind not in {Kind.SCENE, Kind.SEGMENTATION}, False) for kind in range(IMAGE_TYPES)
     ]
     HANDLERS["simGetImages"](simulator, requests, "", False)
-    touch_something()
-
-
-def touch_something() -> None:
-    """Compile what a first contact needs, in a world with an obstacle: a client may put one into any."""
-    world, here, there = World((Box((1.0, 1.0, 1.0), (2.0, 2.0, 2.0)),)), np.zeros(3), np.ones(3)
+    world, here, there = simulator.scene.world, np.zeros(3), np.ones(3)  # what a first contact needs
     world.distance(here)
     world.gradient(here)
     world.swept(here, there)
-
-
-@cache
-def warmed() -> None:
-    """Compile what a flight needs, once."""
-    warm_up(None)
 
 
 async def serve(simulator: Simulator, host: str, port: int, ready: Callable[[int], None]) -> None:
@@ -122,13 +112,13 @@ class Server:
         self.simulator, self.host, self.port = simulator, host, port
         self.thread = threading.Thread(target=self.run, name="airsim server", daemon=True)
         self.started = threading.Event()
-        self.failure: BaseException | None = None
+        self.failure: Exception | None = None
 
     def run(self) -> None:
         """Serve until stopped."""
         try:
             asyncio.run(self.main())
-        except BaseException as error:
+        except Exception as error:  # raised where the server was started
             self.failure = error
         finally:
             self.started.set()
@@ -136,16 +126,9 @@ class Server:
     async def main(self) -> None:
         """Serve until stopped."""
         self.loop = asyncio.get_running_loop()
-        self.stop = asyncio.Event()
-        serving = asyncio.ensure_future(serve(self.simulator, self.host, self.port, self.ready))
-        stopping = asyncio.ensure_future(self.stop.wait())
-        done, _ = await asyncio.wait({serving, stopping}, return_when=asyncio.FIRST_COMPLETED)
-        stopping.cancel()
-        if serving not in done:
-            serving.cancel()
-            await asyncio.wait({serving})
-        else:
-            serving.result()
+        self.serving = asyncio.ensure_future(serve(self.simulator, self.host, self.port, self.ready))
+        with suppress(asyncio.CancelledError):
+            await self.serving
 
     def ready(self, port: int) -> None:
         """Take down where it listens."""
@@ -158,7 +141,7 @@ class Server:
         Raises:
             InputError: nothing can listen there.
         """
-        warmed()
+        warm_up()
         self.thread.start()
         self.started.wait(STARTING)
         if self.failure is not None:
@@ -168,7 +151,7 @@ class Server:
     def __exit__(self, *_: object) -> None:
         """Stop, and wait for the end."""
         if self.thread.is_alive():
-            self.loop.call_soon_threadsafe(self.stop.set)
+            self.loop.call_soon_threadsafe(self.serving.cancel)
         self.thread.join()
         if self.failure is not None:
             raise self.failure
