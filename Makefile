@@ -82,7 +82,7 @@ $(VENV)/installed-test: $(VENV)/bin/python pyproject.toml
 	touch $@ $(VENV)/installed
 
 $(VENV)/installed-slow: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,cluster]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,cluster,rl]"
 	touch $@ $(VENV)/installed-test $(VENV)/installed
 
 $(VENV)/installed-bench: $(VENV)/bin/python pyproject.toml

@@ -11,7 +11,7 @@ import pytest
 import crosstrack
 
 ROOT = Path(crosstrack.__file__).parent
-BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "locks", "vectors"}
+BASE = {"types", "protocols", "errors", "frames", "compiled", "registry", "lazy", "locks", "vectors", "npz"}
 ROLES = {
     "world",
     "path",
@@ -25,6 +25,7 @@ ROLES = {
     "sim",
     "vehicles",
     "airsim",
+    "policy",
 }
 EDGES = {
     ("vehicles", "sim"),
@@ -33,12 +34,14 @@ EDGES = {
     ("airsim", "world"),
     ("sim", "world"),
     ("follow", "path"),
+    ("avoid", "policy"),
+    ("follow", "policy"),
     ("track", "path"),
     ("trajectory", "path"),
     ("plan", "trajectory"),
     ("plan", "search"),
 }
-ABOVE = ["flight", "mission", "campaign", "show", "cli"]
+ABOVE = ["flight", "mission", "campaign", "learn", "show", "cli"]
 """each may import all before it, the roles and the base"""
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -241,6 +241,29 @@ class Avoider(Protocol[D]):
         """Return the command to fly instead for the next `duration` (s), and the new memory.
 
         One that does not guard is only given a `Setpoint`.
+        """
+
+
+@runtime_checkable
+class FromFiles(Protocol):
+    """A tracker or an avoider that reads files of the mission."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The files."""
+
+    def given(self, files: Mapping[str, bytes]) -> Any:
+        """Return the part with its files read already.
+
+        Raises:
+            InputError: a file cannot be used.
+        """
+
+    def blind(self, sensors: "Sequence[Sensor]") -> str:
+        """Say why it cannot see with the sensors of a mission; nothing where it can, or need not.
+
+        Raises:
+            InputError: a file cannot be used.
         """
 
 

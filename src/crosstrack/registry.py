@@ -33,6 +33,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
         "pure_pursuit": "crosstrack.follow.pure_pursuit:PurePursuit",
         "vector_field": "crosstrack.follow.vector_field:VectorField",
         "proportional_los": "crosstrack.follow.proportional_los:ProportionalLos",
+        "policy": "crosstrack.follow.policy:Policy",
         "feed_forward": "crosstrack.track.feed_forward:FeedForward",
         "cascaded_pid": "crosstrack.track.cascaded_pid:CascadedPid",
         "lqr": "crosstrack.track.lqr:Lqr",
@@ -44,6 +45,7 @@ BUILT_IN: dict[str, dict[str, str]] = {
         "potential": "crosstrack.avoid.potential:Potential",
         "orca": "crosstrack.avoid.orca:Orca",
         "formation": "crosstrack.avoid.formation:Formation",
+        "policy": "crosstrack.avoid.policy:Policy",
         "safety": "crosstrack.avoid.safety:Safety",
     },
     "sensor": {

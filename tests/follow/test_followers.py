@@ -17,7 +17,11 @@ from crosstrack.vehicles.quadrotor import Quadrotor
 
 BASELINES = {"move_on_path", "published_carrot"}
 """laws of others as they are, kept to be compared with: they need not hold the route"""
-LAWS = [name for name in registry.names("tracker") if registry.find("tracker", name).needs == ()]
+LEARNED = {"policy"}
+"""follows as its policy does, whose merit is measured on the routes it was made for, see tests/policy"""
+LAWS = [
+    name for name in registry.names("tracker") if registry.find("tracker", name).needs == () and name not in LEARNED
+]
 OURS = [name for name in LAWS if name not in BASELINES]
 
 TURNS = np.linspace(0, 2 * np.pi, 60)

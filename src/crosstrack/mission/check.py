@@ -13,7 +13,7 @@ from crosstrack.mission.complaints import faults_of
 from crosstrack.mission.parts import kind_of
 from crosstrack.mission.text import Document, Place, show
 from crosstrack.mission.values import sound
-from crosstrack.protocols import EXACT
+from crosstrack.protocols import EXACT, FromFiles
 from crosstrack.types import Air, Array
 from crosstrack.world.files import read
 from crosstrack.world.world import World
@@ -158,6 +158,23 @@ def avoiders_can_act(mission: "Mission") -> Faults:
             yield ("avoid", index), f"{message}: use a follower, or feed_forward"
 
 
+def policies_fit(mission: "Mission") -> Faults:
+    """Read the policies, and ask for sensors that show them what they were trained on."""
+    places: list[tuple[Place, object]] = [(("tracker",), mission.tracker)]
+    places += [(("avoid", index), avoider) for index, avoider in enumerate(mission.avoid)]
+    for place, part in places:
+        if not isinstance(part, FromFiles):
+            continue
+        try:
+            ready = part.given({name: read(mission.files, name) for name in part.names})
+            blind = ready.blind(mission.sensors)
+        except InputError as error:
+            yield from (((*place, "file"), f"{error.source}: {problem}") for problem in error.problems)
+            continue
+        if blind:
+            yield place, blind
+
+
 def planner_fits(mission: "Mission") -> Faults:
     """Read the planner's files, and ask for a start that its trajectory can begin at."""
     if mission.planner is None:
@@ -255,6 +272,7 @@ CHECKS: tuple[tuple[frozenset[str], Callable[["Mission"], Faults]], ...] = (
     (frozenset({"planner", "start"}), planner_fits),
     (frozenset({"map", "sensors"}), sees_what_it_must),
     (frozenset({"avoid", "tracker", "planner"}), avoiders_can_act),
+    (frozenset({"avoid", "tracker", "sensors"}), policies_fit),
     (
         frozenset({"planner", "tracker", "vehicle", "start", "frame", "world", "limits", "air", "noise"}),
         tracker_has_what_it_needs,

@@ -14,11 +14,12 @@ from crosstrack.frames import Origin
 from crosstrack.mission.check import assure
 from crosstrack.mission.convert import in_enu
 from crosstrack.mission.document import plain
+from crosstrack.mission.parts import given
 from crosstrack.mission.planning import along, course_for, replanning_for
 from crosstrack.mission.qgroundcontrol import PlanFile, read_plan
 from crosstrack.mission.schema import MissionFile
 from crosstrack.path.polyline import Polyline
-from crosstrack.protocols import Scenario
+from crosstrack.protocols import FromFiles, Scenario
 from crosstrack.registry import find
 from crosstrack.types import Array
 from crosstrack.world.files import Files, read
@@ -106,7 +107,8 @@ class Mission(MissionFile):
     def names(self) -> list[str]:
         """The files that the mission names."""
         planned = self.planner.names if self.planner is not None else ()
-        return [*([self.route] if isinstance(self.route, str) else []), *self.world.files(), *planned]
+        learned = [name for part in (self.tracker, *self.avoid) if isinstance(part, FromFiles) for name in part.names]
+        return [*([self.route] if isinstance(self.route, str) else []), *self.world.files(), *planned, *learned]
 
     @cached_property
     def waypoints(self) -> Array:
@@ -170,21 +172,22 @@ class Mission(MissionFile):
         route, began = Polyline(self.points), time.perf_counter()
         course = course_for(self, route, scenario)
         planning_time = time.perf_counter() - began
+        files = {name: read(self.files, name) for name in self.names}
         return Plan(
             name=self.name,
             document=self.document(),
             route=route if self.goal is None else along(course.path),
             course=course,
             vehicle=self.vehicle,
-            tracker=tracker,
+            tracker=given(tracker, files),
             scenario=scenario,
             timeout=self.timing.timeout,
-            avoiders=self.avoid,
+            avoiders=tuple(given(avoider, files) for avoider in self.avoid),
             told=self.told,
             warned=self.map == "known",
             replanning=replanning_for(self, route, scenario),
             planning_time=planning_time,
-            files={name: read(self.files, name) for name in self.names},
+            files=files,
         )
 
     def scenario(self) -> Scenario:

@@ -17,6 +17,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from crosstrack import registry
 from crosstrack.errors import InputError, Problem
+from crosstrack.protocols import FromFiles
 
 CONFIG = ConfigDict(extra="forbid", strict=True, use_attribute_docstrings=True)
 
@@ -46,6 +47,15 @@ def kind_of(role: str, part: object) -> str:
         if registry.find(role, name) is type(part):
             return name
     raise InputError(role, [Problem("kind", f"{type(part).__qualname__} is not registered as a {role}")])
+
+
+def given(part: Any, files: Mapping[str, bytes]) -> Any:
+    """Return a part with the files that it reads, if any.
+
+    Raises:
+        InputError: a file cannot be used.
+    """
+    return part.given(files) if isinstance(part, FromFiles) else part
 
 
 def suggest(word: str, known: list[str]) -> str:

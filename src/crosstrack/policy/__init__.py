@@ -1,0 +1,1 @@
+"""Learned policies: what they see, what they are, and what their actions mean."""
