@@ -105,25 +105,25 @@ def put(p: Fleet, agent: Agents, position: Array, yaw: float) -> None:
 
 
 @compiled
-def disturb(rows: Fleet, agents: Agents, duration: float) -> None:
-    """Blow gusts and blur estimates after a time (s)."""
-    noise = np.empty(5)
-    for i in range(rows.shape[0]):
-        p, agent = rows[i], agents[i]
-        if agent.intensity > 0:
-            for k in range(5):
-                noise[k] = normal(agent)
-            state = p.state
-            gust, filters = flown(
-                agent.filters, agent.mean, state[3:6], agent.intensity, state[2] - p.ground, duration, noise
-            )
-            for k in range(3):
-                p.wind[k] = agent.mean[k] + gust[k]
-            for k in range(5):
-                agent.filters[k] = filters[k]
-        for k in range(2):
-            if agent.noise[k] > 0:
-                for j in range(3):
-                    p.error[3 * k + j] = agent.noise[k] * normal(agent)
-            else:
-                p.error[3 * k] = p.error[3 * k + 1] = p.error[3 * k + 2] = 0.0
+def disturb(p: Fleet, agent: Agents, duration: float, noise: Array) -> None:
+    """Blow gusts and blur the estimate after a time (s).
+
+    Args:
+        p: row, changed
+        agent: changed
+        duration: s
+        noise: (5,) room to work in
+    """
+    if agent.intensity > 0:
+        for k in range(5):
+            noise[k] = normal(agent)
+        state = p.state
+        height = state[2] - p.ground
+        gust, filters = flown(agent.filters, agent.mean, state[3:6], agent.intensity, height, duration, noise)
+        for k in range(3):
+            p.wind[k] = agent.mean[k] + gust[k]
+        for k in range(5):
+            agent.filters[k] = filters[k]
+    for k in range(6):
+        deviation = agent.noise[k // 3]
+        p.error[k] = deviation * normal(agent) if deviation > 0 else 0.0

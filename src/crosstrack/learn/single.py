@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from crosstrack.campaign.avoidance.families import Arena
 from crosstrack.learn.agents import OUTCOMES
 from crosstrack.learn.rewards import TERMS
+from crosstrack.learn.stepping import take
 from crosstrack.learn.tasks import find
 from crosstrack.learn.vector import LIMITS, Floats, Vector
 from crosstrack.protocols import Scenario, Session, Vehicle
@@ -59,7 +60,8 @@ class Single(gymnasium.Env[Floats, Any]):
         core, session, task = self.core, self.session, self.core.task
         if session is None:
             raise gymnasium.error.ResetNeeded("begin an episode with `reset` first")
-        core.take([action])
+        numbers = np.asarray(action, dtype=float).reshape(-1)
+        take(core.kind, numbers, core.rows[0], core.agents[0], task.period)
         late, command = float(core.agents["delay"][0]) * OUTER * core.step_time, self.command()
         if late > 0:
             session.advance(self.before, late)

@@ -11,14 +11,13 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from crosstrack.campaign.avoidance.families import Arena
-from crosstrack.compiled import compiled
-from crosstrack.learn.agents import AGENT, ARRIVED, TIMED_OUT, Agents
-from crosstrack.learn.randomise import disturb
+from crosstrack.learn.agents import AGENT, ARRIVED, TIMED_OUT
 from crosstrack.learn.rewards import TERMS
-from crosstrack.policy.action import CHOICES, KINDS, SIZES, steer
+from crosstrack.learn.stepping import advance
+from crosstrack.policy.action import CHOICES, KINDS, SIZES
 from crosstrack.sim.airframe import AIRFRAMES
-from crosstrack.sim.fleet import Fleet, fleet
-from crosstrack.sim.kernel import OUTER, fly
+from crosstrack.sim.fleet import fleet
+from crosstrack.sim.kernel import OUTER
 from crosstrack.types import Air, Array, Limits
 
 STEP = 0.005
@@ -106,9 +105,8 @@ class Vector(VectorEnv[Floats, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Floats, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Fly the actions (n, ...) for a decision; actions outside the space are taken at its edge."""
-        self.take(actions)
-        self.fly()
-        disturb(self.rows, self.agents, self.task.period)
+        numbers = np.asarray(actions, dtype=float).reshape(self.num_envs, -1)
+        advance(self.kind, numbers, self.rows, self.agents, self.task.period, self.step_time, self.outer_steps)
         terminated, truncated = self.assess()
         infos: dict[str, Any] = {}
         over = np.flatnonzero(terminated | truncated)
@@ -117,11 +115,6 @@ class Vector(VectorEnv[Floats, Any, Any]):
             self.begin(over)
             self.field.observe(self.rows, self.agents, over, self.observations)
         return self.observations.copy(), self.rewards.copy(), terminated, truncated, infos
-
-    def take(self, actions: Any) -> None:
-        """Turn actions (n, ...) into commands."""
-        numbers = np.asarray(actions, dtype=float).reshape(self.num_envs, -1)
-        act(self.kind, numbers, self.rows, self.agents, self.task.period)
 
     def assess(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Judge and observe after a decision; return which episodes are terminated, and which truncated."""
@@ -134,14 +127,6 @@ class Vector(VectorEnv[Floats, Any, Any]):
     def look(self) -> None:
         """Observe with every vehicle."""
         self.field.observe(self.rows, self.agents, self.everyone, self.observations)
-
-    def fly(self) -> None:
-        """Fly the pending commands, each after its delay."""
-        latest = int(self.agents["delay"].max())
-        for k in range(latest + 1):
-            hand_over(self.rows, self.agents, k)
-            last = k == latest
-            fly(self.rows, self.step_time, OUTER * (self.outer_steps - latest if last else 1))
 
     def ended(self, over: NDArray[np.int64]) -> dict[str, Any]:
         """Return the infos of episodes that ended."""
@@ -175,31 +160,3 @@ class Vector(VectorEnv[Floats, Any, Any]):
         """Go on from what `memory` returned."""
         self.rows[:], self.agents[:] = memory["rows"], memory["agents"]
         self.observations[:] = memory["observations"]
-
-
-@compiled
-def act(kind: int, actions: Array, rows: Fleet, agents: Agents, duration: float) -> None:
-    """Turn actions (n, size) into pending commands."""
-    for i in range(rows.shape[0]):
-        p, agent, action = rows[i], agents[i], actions[i]
-        agent.change = 0.0
-        if kind == 1:
-            agent.change = 1.0 if action[0] != agent.action[0] else 0.0
-            agent.action[0] = action[0]
-        else:
-            for k in range(actions.shape[1]):
-                action[k] = min(1.0, max(-1.0, action[k]))
-                agent.change += (action[k] - agent.action[k]) ** 2
-                agent.action[k] = action[k]
-        way = agent.way[0], agent.way[1]
-        agent.level = steer(kind, action, p.state, way, agent.speed, duration, agent.asked, agent.pending)
-
-
-@compiled
-def hand_over(rows: Fleet, agents: Agents, delay: int) -> None:
-    """Give the commands with a delay to the autopilots."""
-    for i in range(rows.shape[0]):
-        if agents[i].delay == delay:
-            rows[i].level = agents[i].level
-            for k in range(11):
-                rows[i].command[k] = agents[i].pending[k]
