@@ -1,6 +1,6 @@
 """Decisions a second of the environments to learn in, on one core, beside a bare body in MuJoCo, in the same run.
 
-Run as `python -m benchmarks.learning`. Speeds drift, so the cases take turns, and ratios are those of a turn. A
+Run as `python benchmarks/learning.py`. Speeds drift, so the cases take turns, and ratios are those of a turn. A
 decision is 50 ms in ten steps of the rotors; for MuJoCo, ten steps of one vehicle without autopilot.
 """
 
@@ -9,8 +9,8 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from kernel import oracle
 
-from benchmarks.kernel import oracle
 from crosstrack.learn.avoid import Avoid
 from crosstrack.learn.follow import Follow
 from crosstrack.learn.hover import Hover

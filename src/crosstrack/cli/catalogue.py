@@ -5,6 +5,7 @@ from typing import Any
 
 from crosstrack import registry
 from crosstrack.mission.parts import adapter, documented
+from crosstrack.policy.file import load, shipped
 
 BOUNDS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 
@@ -19,6 +20,10 @@ def show() -> int:
             for line in field_lines(part):
                 print(f"    {line}")
         print()
+    print("policies that ship")
+    for name in shipped():
+        card = load(name).card
+        print(f"  {name}: {card.task} by {card.options['action']}, trained by {card.algorithm} with {card.network}")
     return 0
 
 
