@@ -1,8 +1,9 @@
 """Drawing a flight into AirSim's world while it is flown: the path, the points chased, the trail."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from crosstrack.airsim.client.blocking import Client
 from crosstrack.airsim.client.errors import RemoteError
 from crosstrack.errors import LinkLost
 from crosstrack.flight.effort import Effort
@@ -11,6 +12,9 @@ from crosstrack.flight.plan import Plan
 from crosstrack.frames import ned_from_enu
 from crosstrack.types import Array, Outcome
 from crosstrack.vehicles.airsim.vehicle import AirSim
+
+if TYPE_CHECKING:
+    from crosstrack.airsim.client.blocking import Client
 
 ASKED, PLANNED, CHASED, FLOWN = (0.0, 1.0, 0.0, 1.0), (0.2, 0.4, 1.0, 1.0), (1.0, 0.6, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0)
 """red, green, blue, opacity: of the waypoints, the course, the point chased, the trail"""
@@ -40,6 +44,8 @@ class Drawing(Observer):
 
     def draw(self, plan: Plan) -> None:
         """Draw what is planned."""
+        from crosstrack.airsim.client.blocking import Client  # noqa: PLC0415 - takes long to import, and few missions need it
+
         self.client = Client(self.vehicle.host, self.vehicle.port, timeout=TIMEOUT)
         points = ned_from_enu(plan.route.points)
         self.client.plot_points(list(points), ASKED, WAYPOINT, -1.0, True)

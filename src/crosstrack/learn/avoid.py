@@ -49,7 +49,7 @@ class Avoid:
     """of worlds"""
     density: NonNegative = 0.1
     """trees per m², of forests"""
-    speed: Positive = 4.0
+    speed: Positive = 3.5
     """m/s, the fastest that is asked for"""
     observation: Literal["rays", "depth"] = "rays"
     """what is seen beside the motion: a fan of beams, or a picture"""

@@ -1,6 +1,5 @@
 """The figures of a flight as PNG files."""
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -70,10 +69,10 @@ def pictures(flight: Flight, folder: str | Path) -> list[Path]:
 
 def write(figure: Figure, path: Path) -> None:
     """Write a figure as PNG without the empty bands around it."""
-    drawing = io.BytesIO()
-    figure.savefig(drawing, dpi=DPI, facecolor="white")
-    with Image.open(drawing) as opened:
-        image = opened.convert("RGB")
+    figure.dpi = DPI
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     filled = ImageChops.difference(image, Image.new("RGB", image.size, "white")).getbbox()
     trimmed = image.crop(filled)
     ImageOps.expand(trimmed, MARGIN, "white").save(path)
@@ -81,9 +80,7 @@ def write(figure: Figure, path: Path) -> None:
 
 def sheet(width: float, height: float) -> Figure:
     """Return an empty figure (inches) that belongs to no window."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
 
 
 def space(flight: Flight, drawn: Scene, error: Array) -> Figure:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from crosstrack.flight.flight import Flight
 from crosstrack.flight.plan import Plan
@@ -40,6 +39,8 @@ class Track:
 
     def outline(self, vertices: Array) -> Array:
         """Return its outline from above, closed, (n, 2) m: the convex hull of vertices (n, 3) m."""
+        from scipy.spatial import ConvexHull  # noqa: PLC0415 - takes long to import, and few drawings need it
+
         flat = vertices[:, :2]
         corners = ConvexHull(flat).vertices
         hull: Array = flat[np.append(corners, corners[0])]

@@ -19,7 +19,6 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from crosstrack.types import Array
 from crosstrack.world.mesh import Mesh, cells
@@ -40,6 +39,8 @@ def signed_distance(occupied: Occupied, cell: float) -> Array:
     Returns:
         (n + 1, m + 1[, k + 1]) m, negative inside
     """
+    from scipy.ndimage import distance_transform_edt  # noqa: PLC0415 - takes long to import, and few missions need it
+
     outside = distance_transform_edt(~_corners(np.pad(occupied, 1)))
     inside = distance_transform_edt(~_corners(np.pad(~occupied, 1, constant_values=True)))
     distance: Array = (outside - inside) * cell

@@ -11,7 +11,6 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
-from scipy.ndimage import binary_dilation, binary_erosion
 
 from crosstrack.types import Finite, Positive
 from crosstrack.world.files import Files, read, refuse
@@ -108,6 +107,8 @@ def otsu(histogram: NDArray[np.int64]) -> int | None:
 
 def grow_and_shrink(free: Occupied, dilate: int, erode: int) -> Occupied:
     """Dilate, then erode free space by 3x3 squares."""
+    from scipy.ndimage import binary_dilation, binary_erosion  # noqa: PLC0415 - takes long to import, and few missions need it
+
     square = np.ones((3, 3), dtype=bool)
     if dilate:
         free = binary_dilation(free, square, iterations=dilate)

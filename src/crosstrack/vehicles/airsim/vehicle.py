@@ -1,14 +1,16 @@
 """A quadrotor in AirSim, or behind `crosstrack serve`: the same mission, flown over AirSim's own protocol."""
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from annotated_types import Ge, Le
 
 from crosstrack.protocols import Scenario
 from crosstrack.types import Air, Array, Envelope, Positive, State
-from crosstrack.vehicles.airsim.session import AirSimSession
 from crosstrack.vehicles.quadrotor import Quadrotor
+
+if TYPE_CHECKING:
+    from crosstrack.vehicles.airsim.session import AirSimSession
 
 AIRSIM_AIR = Air(temperature=287.36, pressure=99868.0)
 """at the height of AirSim's usual home, 122 m"""
@@ -49,13 +51,15 @@ class AirSim:
         known = self.stand_in.envelope(replace(scenario, air=AIRSIM_AIR))
         return replace(known, response_time=known.response_time + COMMAND_TIME)
 
-    def launch(self, scenario: Scenario) -> AirSimSession:
+    def launch(self, scenario: Scenario) -> "AirSimSession":
         """Connect, take control, arm, and bring it to the start, hovering there or standing on the ground.
 
         Raises:
             LinkLost: nothing answers at the address, or no longer.
             InputError: AirSim's settings do not fit the mission.
         """
+        from crosstrack.vehicles.airsim.session import AirSimSession  # noqa: PLC0415 - takes long to import, and few missions need it
+
         return AirSimSession(self, scenario)
 
     def arrived(self, before: State, now: State, goal: Array, remaining: float) -> bool:

@@ -1,0 +1,61 @@
+"""What trainings begin from."""
+
+from typing import Any
+
+WIDE: dict[str, Any] = {"layers": [128, 128], "activation": "relu"}
+Q_LEARNING: dict[str, Any] = {
+    "steps": 4_000_000,
+    "envs": 256,
+    "shape": WIDE,
+    "evaluating": {"every": 250_000},
+    "learning": {
+        "learning_rate": 3e-4,
+        "batch_size": 1024,
+        "gradient_steps": 4,
+        "buffer_size": 1_000_000,
+        "learning_starts": 50_000,
+        "target_update_interval": 20_000,
+        "exploration_fraction": 0.25,
+        "exploration_final_eps": 0.03,
+    },
+}
+TUNED: dict[str, dict[str, Any]] = {
+    "dqn": Q_LEARNING,
+    "double-dqn": Q_LEARNING,
+    "ppo": {
+        "steps": 15_000_000,
+        "envs": 1024,
+        "learning": {"learning_rate": 1e-3, "final_learning_rate": 0.0, "n_steps": 32, "n_epochs": 5},
+    },
+    "sac": {"steps": 2_000_000, "envs": 256, "shape": WIDE, "evaluating": {"every": 250_000}},
+    "a2c": {"steps": 15_000_000, "envs": 512},
+}
+"""found by trying, by algorithm"""
+
+ARTICLE: dict[str, Any] = {
+    "steps": 1_000_000,
+    "envs": 1,
+    "shape": {"layers": [24, 24], "activation": "relu"},
+    "evaluating": {"every": 100_000},
+    "learning": {
+        "learning_rate": 1e-3,
+        "gamma": 0.95,
+        "buffer_size": 2000,
+        "learning_starts": 32,
+        "batch_size": 32,
+        "train_freq": 1,
+        "gradient_steps": 1,
+        "n_steps": 1,
+        "target_update_interval": 1,
+        "exploration_initial_eps": 1.0,
+        "exploration_final_eps": 0.01,
+        "exploration_factor": 0.995,
+    },
+}
+"""the DQN of a tutorial that many have copied: a small network without a target network, a memory of 2000 decisions"""
+
+PRESETS: dict[str, dict[str, dict[str, Any]]] = {
+    "tuned": TUNED,
+    "article": {"dqn": ARTICLE},
+}
+"""by name and algorithm"""
