@@ -215,7 +215,7 @@ def test_a_second_is_on_the_disk_before_the_next_ends(flight: Flight, tmp_path: 
 def test_a_log_cut_anywhere_holds_the_flight_up_to_there(flight: Flight, log: Path, tmp_path: Path) -> None:
     data, cut = log.read_bytes(), tmp_path / "cut.mcap"
     lengths = set()
-    for size in np.random.default_rng(5).integers(0, len(data) - 1, 60):
+    for size in np.random.default_rng(5).integers(0, len(data) - 1, 30):
         cut.write_bytes(data[:size])
         try:
             read = read_log(cut)
@@ -230,7 +230,7 @@ def test_a_log_cut_anywhere_holds_the_flight_up_to_there(flight: Flight, log: Pa
 def test_a_damaged_log_is_never_read_wrongly(flight: Flight, log: Path, tmp_path: Path) -> None:
     data, damaged = log.read_bytes(), tmp_path / "damaged.mcap"
     refused = 0
-    for place in np.random.default_rng(6).integers(0, len(data), 60):
+    for place in np.random.default_rng(6).integers(0, len(data), 30):
         damaged.write_bytes(data[:place] + bytes([data[place] ^ 0x55]) + data[place + 1 :])
         try:
             read = read_log(damaged)
@@ -239,7 +239,7 @@ def test_a_damaged_log_is_never_read_wrongly(flight: Flight, log: Path, tmp_path
             continue
         assert same(read.record, flight.record)
         assert (read.document, read.files) == (flight.plan.document, flight.plan.files)
-    assert refused > 30
+    assert refused > 15
 
 
 @pytest.mark.parametrize("content", [b"", b"name: square\n", b"\x89MCAP0\r\n", bytes(4096)])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flights import lag, plan_along, rms, tour
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.spatial.transform import Rotation
@@ -209,6 +209,7 @@ def test_near_the_trajectory_the_law_is_the_gain_times_the_error(horizon: Any) -
         assert command.thrust - GRAVITY == pytest.approx(u[3], abs=2e-5)
 
 
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.floats(0, 3))
 def test_commands_are_finite_and_within_limits_from_anywhere(seed: int, decade: float) -> None:
     rng = np.random.default_rng(seed)

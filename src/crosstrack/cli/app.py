@@ -10,6 +10,8 @@ from cyclopts import App, CycloptsError, Parameter
 
 from crosstrack import __version__
 from crosstrack.cli.codes import BAD_INPUT, DONE, INTERRUPTED, LINK_LOST
+from crosstrack.cli.evaluating import evaluate
+from crosstrack.cli.training import train
 from crosstrack.errors import CrosstrackError, LinkLost
 
 app = App(
@@ -21,6 +23,8 @@ app = App(
 )
 bench = App(name="bench", help="Measure on worlds made from seeds.")
 app.command(bench)
+app.command(evaluate)
+app.command(train)
 Settings = Annotated[list[str], Parameter(name="--set", negative=())]
 Trajectory = Annotated[Path | None, Parameter(name="--from")]
 Switch = Annotated[bool, Parameter(negative=())]

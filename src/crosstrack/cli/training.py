@@ -2,9 +2,8 @@
 
 import shlex
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
@@ -12,6 +11,7 @@ from crosstrack.cli.codes import DONE
 from crosstrack.errors import InputError, Problem
 
 Settings = Annotated[list[str] | None, Parameter(name="--set", negative=())]
+CONFIG, POLICY = "config.json", "policy.npz"
 Switch = Annotated[bool, Parameter(negative=())]
 
 
@@ -56,29 +56,29 @@ def train(
         "until": until,
         "minutes": minutes,
     }
+    from crosstrack.learn.training.reading import Asked, mapping, resumed, training
+
+    told = Asked(algo, preset, config, fields, settings or ())
+    folder = out or Path("runs") / "train" / f"{task}-{algo}"
+    if resume:
+        wanted = resumed(mapping(folder / CONFIG), task, told, str(folder / CONFIG))
+    else:
+        wanted = training(task, told)
     try:
         from crosstrack.learn.training import checkpoint
-        from crosstrack.learn.training.run import CONFIG, POLICY, Run
+        from crosstrack.learn.training.run import Run
     except ModuleNotFoundError as error:
         message = f"needs the package {error.name}: install crosstrack[rl]"
         raise InputError("train", [Problem("", message)]) from error
     from rich.console import Console
 
     from crosstrack.cli.learning_curve import Curve
-    from crosstrack.learn.training.reading import Asked, resumed, training
     from crosstrack.show.learning import learning_curve
 
-    told = Asked(algo, preset, config, fields, settings or ())
-    folder = out or Path("runs") / "train" / f"{task}-{algo}"
-    held = None
-    if resume:
-        held = checkpoint.read(folder)
-        wanted = resumed(stored(folder / CONFIG), task, told, str(folder / CONFIG))
-    else:
-        wanted = training(task, told)
-        if (folder / checkpoint.NAME).exists():
-            message = "holds a training already: go on with --resume, or name another folder with --out"
-            raise InputError(str(folder), [Problem("", message)])
+    held = checkpoint.read(folder) if resume else None
+    if held is None and (folder / checkpoint.NAME).exists():
+        message = "holds a training already: go on with --resume, or name another folder with --out"
+        raise InputError(str(folder), [Problem("", message)])
     command = shlex.join(["crosstrack", *sys.argv[1:]])
     run = Run(wanted, folder, command, held)
     console = Console(stderr=True)
@@ -95,14 +95,3 @@ def train(
     )
     print(folder / POLICY)
     return DONE
-
-
-def stored(path: Path) -> Mapping[str, Any]:
-    """Return how a training was configured.
-
-    Raises:
-        InputError: it cannot be read.
-    """
-    from crosstrack.learn.training.reading import mapping
-
-    return mapping(path)
