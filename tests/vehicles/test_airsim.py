@@ -66,7 +66,8 @@ LONGER = ["figure_eight", "airsim_path", "jerk_eight", "rooms", "spiral", "surve
 
 
 @pytest.mark.parametrize(
-    "name", ["square", "snap_slalom", "learned_forest", *(pytest.param(name, marks=pytest.mark.slow) for name in LONGER)]
+    "name",
+    ["square", "snap_slalom", "learned_forest", *(pytest.param(name, marks=pytest.mark.slow) for name in LONGER)],
 )
 def test_missions_fly_as_in_the_embedded_simulator(name: str) -> None:
     """Routes with corners, a figure that crosses itself, trajectories by the clock, an image map, a learned policy."""

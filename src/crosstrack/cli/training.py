@@ -60,10 +60,7 @@ def train(
 
     told = Asked(algo, preset, config, fields, settings or ())
     folder = out or Path("runs") / "train" / f"{task}-{algo}"
-    if resume:
-        wanted = resumed(mapping(folder / CONFIG), task, told, str(folder / CONFIG))
-    else:
-        wanted = training(task, told)
+    wanted = resumed(mapping(folder / CONFIG), task, told, str(folder / CONFIG)) if resume else training(task, told)
     try:
         from crosstrack.learn.training import checkpoint
         from crosstrack.learn.training.run import Run
