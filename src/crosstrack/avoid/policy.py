@@ -12,9 +12,6 @@ from crosstrack.protocols import Course, Surroundings
 from crosstrack.types import Command, NonNegative, Positive, State
 from crosstrack.vectors import norm
 
-HOLD = 2.0
-"""m, from the goal in the plane, within which the heading is held"""
-
 
 @dataclass(frozen=True)
 class PolicyMemory:
@@ -93,7 +90,5 @@ class Policy:
             return command, replace(memory, intervening=False, asked=replace(memory.asked, due=state.time))
         if state.time > memory.asked.due - 0.5 * duration:
             goal = course.path(min(progress + self.ahead, course.path.length))
-            way = goal[:2] - state.position[:2]
-            heading = (float(way[0]), float(way[1])) if way @ way > HOLD**2 else (0.0, 0.0)
-            memory = replace(memory, asked=pilot.decide(memory.asked, state, memory.asked.ranges, goal, heading))
+            memory = replace(memory, asked=pilot.decide(memory.asked, state, memory.asked.ranges, goal))
         return memory.asked.command, replace(memory, intervening=True)

@@ -89,6 +89,5 @@ class Policy:
             body = np.concatenate([state.position, state.velocity, state.attitude, state.rate])
             seen = np.empty(SIZE, np.float32)
             write_points(seen, 0, body, points)
-            way = points[AIM] - state.position
-            asked = self.pilot.decide(asked, state, seen, end, (float(way[0]), float(way[1])))
+            asked = self.pilot.decide(asked, state, seen, end)
         return asked.command, PolicyMemory(s, points[AIM], asked)

@@ -43,7 +43,6 @@ AGENT = np.dtype(
         ("position", float, 3),  # m, at the decision before
         ("clearance", float),  # m, of the centre, least since the decision before
         ("potential", float),  # m, way that remains
-        ("way", float, 2),  # where the heading turns to, world
         ("progress", float),  # m, along a route
         # For the account at its end.
         ("outcome", np.int64),

@@ -35,8 +35,6 @@ from crosstrack.sense.lidar import Lidar
 from crosstrack.sim.fleet import Fleet
 from crosstrack.types import Array, NonNegative, Positive
 
-HOLD = 2.0
-"""m, from the goal in the plane, within which the heading is held"""
 Floats = NDArray[np.float32]
 Indices = NDArray[np.int64]
 
@@ -190,15 +188,6 @@ def begin(
         for k in range(3):
             agent.goal[k] = goal[k]
         agent.potential, agent.speed = away(p, goal), speed
-        aim(p, agent)
-
-
-@compiled
-def aim(p: Fleet, agent: Agents) -> None:
-    """Turn the heading to the goal, unless it is near."""
-    dx, dy = agent.goal[0] - p.state[0], agent.goal[1] - p.state[1]
-    far = dx * dx + dy * dy > HOLD * HOLD
-    agent.way[0], agent.way[1] = dx if far else 0.0, dy if far else 0.0
 
 
 @compiled
@@ -282,7 +271,6 @@ def judge(rows: Fleet, agents: Agents, made: Pool, weights: Array, limits: Array
             failed,
         )
         agent.potential = remains
-        aim(p, agent)
 
 
 @compiled

@@ -17,7 +17,7 @@ from crosstrack.learn.rewards import Rewards, score
 from crosstrack.path.rounded import rounded
 from crosstrack.policy import motion, path
 from crosstrack.policy.motion import write
-from crosstrack.policy.path import AHEAD, AIM, write_points
+from crosstrack.policy.path import AHEAD, write_points
 from crosstrack.sim.fleet import Fleet
 from crosstrack.types import Array, Positive
 from crosstrack.world.world import World
@@ -197,7 +197,6 @@ def observe(rows: Fleet, agents: Agents, which: Indices, made: Routes, out: Floa
         s = closest(made, agent.arena, agent.progress, body)[0]
         for k in range(len(REACH)):
             at(made, agent.arena, s + REACH[k], points[k])
-        agent.way[0], agent.way[1] = points[AIM, 0] - body[0], points[AIM, 1] - body[1]
         write_points(out[i], 0, body, points)
         write(out[i], size, body, agent.goal, agent.asked, agent.speed)
 

@@ -49,8 +49,7 @@ def take(kind: int, action: Array, p: Fleet, agent: Agents, duration: float) -> 
         step = new - agent.action[k]
         agent.change += (1.0 if step != 0.0 else 0.0) if kind == STICK else step * step
         agent.action[k] = new
-    way = agent.way[0], agent.way[1]
-    agent.level = steer(kind, agent.action, p.state, way, agent.speed, duration, agent.asked, agent.pending)
+    agent.level = steer(kind, agent.action, p.state, agent.speed, duration, agent.asked, agent.pending)
 
 
 @compiled

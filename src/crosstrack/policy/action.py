@@ -3,7 +3,7 @@
 Between actions a policy has asked for something, `asked` (4,): three numbers of the order of 1, and a heading (rad).
 
 `velocity` (3,)  ahead and to the left over the speed allowed, at most 1 together; up over CLIMB; the heading turns to
-                 where the way leads. asked: the action, the heading.
+                 where that leads, so that the vehicle looks where it flies. asked: the action, the heading.
 `stick` one of 27  throttle, pitch and yaw, each one notch down, held, or one notch up: the rate of climb asked for, the
                  speed ahead asked for, the heading asked for; the autopilot banks. asked: speed ahead over that
                  allowed, 0, rate of climb over CLIMB, the heading.
@@ -35,6 +35,8 @@ TURN = 2.4
 """rad/s, the fastest that the heading asked for turns"""
 LIFT = 0.6
 """1"""
+SLOW = 0.3
+"""of the speed allowed, below which the heading is held"""
 NOTCH_SPEED, NOTCH_CLIMB = 2.5, 5.0
 """1/s, by how much of what is allowed a stick changes what is asked for"""
 
@@ -56,7 +58,6 @@ def steer(
     kind: int,
     action: Array,
     body: Array,
-    way: tuple[float, float],
     speed: float,
     duration: float,
     asked: Array,
@@ -68,7 +69,6 @@ def steer(
         kind: VELOCITY, STICK or ATTITUDE
         action: (3,), (1,) or (4,)
         body: (13,) position (m), velocity (m/s), attitude xyzw, body rate (rad/s)
-        way: where the heading turns to in the plane, world; 0, 0 to hold it
         speed: m/s, allowed
         duration: s, from one action to the next
         asked: (4,) changed in place
@@ -91,10 +91,10 @@ def steer(
         size = math.sqrt(action[0] * action[0] + action[1] * action[1])
         scale = 1.0 / size if size > 1.0 else 1.0
         asked[0], asked[1], asked[2] = action[0] * scale, action[1] * scale, action[2]
-        if way[0] != 0.0 or way[1] != 0.0:
-            turn = wrapped(math.atan2(way[1], way[0]) - asked[3])
-            asked[3] = wrapped(asked[3] + bounded(turn, -most, most))
         c, s = heading(body)
+        if size > SLOW:
+            turn = wrapped(math.atan2(s, c) + math.atan2(action[1], action[0]) - asked[3])
+            asked[3] = wrapped(asked[3] + bounded(turn, -most, most))
     command[3] = speed * (c * asked[0] - s * asked[1])
     command[4] = speed * (s * asked[0] + c * asked[1])
     command[5] = CLIMB * asked[2]

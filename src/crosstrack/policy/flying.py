@@ -119,7 +119,7 @@ class Pilot:
             ranges = np.minimum(share, 1.0).astype(np.float32)
         return memory if ranges is memory.ranges else replace(memory, ranges=ranges)
 
-    def decide(self, memory: Asked, state: State, before: Floats, goal: Array, way: tuple[float, float]) -> Asked:
+    def decide(self, memory: Asked, state: State, before: Floats, goal: Array) -> Asked:
         """Return the memory with the command of the next decision.
 
         Args:
@@ -127,7 +127,6 @@ class Pilot:
             state: as estimated
             before: what is seen beside the motion
             goal: (3,) m
-            way: where the heading turns to, world; 0, 0 to hold it
         """
         body = np.concatenate([state.position, state.velocity, state.attitude, state.rate])
         observation = np.empty(self.seen, np.float32)
@@ -136,7 +135,7 @@ class Pilot:
         action, network = self.policy.decide(observation, memory.network)
         numbers = np.atleast_1d(np.asarray(action, dtype=float))
         asked, command = memory.asked.copy(), np.empty(11)
-        level = steer(self.kind, numbers, body, way, self.speed, self.period, asked, command)
+        level = steer(self.kind, numbers, body, self.speed, self.period, asked, command)
         told: Command
         if level == MOTION_LEVEL:
             told = Setpoint(velocity=command[3:6].copy(), yaw=float(command[9]))

@@ -10,7 +10,7 @@ from crosstrack.types import Array
 AHEAD = (0.0, 1.0, 2.0, 4.0, 7.0, 11.0)
 """m, along the path from the closest point, of the points seen"""
 AIM = 3
-"""which of them the way leads to"""
+"""which of them is shown as the one chased"""
 NEAR, FAR = 1.0, 10.0
 """m, the unit of the closest point, and of the others"""
 LAYOUT = (("error", 3), ("ahead", 3 * (len(AHEAD) - 1)))

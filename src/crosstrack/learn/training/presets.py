@@ -3,11 +3,12 @@
 from typing import Any
 
 WIDE: dict[str, Any] = {"layers": [128, 128], "activation": "relu"}
+SMOOTH: dict[str, Any] = {"layers": [128, 128], "activation": "tanh"}
 Q_LEARNING: dict[str, Any] = {
-    "steps": 4_000_000,
+    "steps": 3_000_000,
     "envs": 256,
     "shape": WIDE,
-    "evaluating": {"every": 250_000},
+    "evaluating": {"every": 250_000, "episodes": 400},
     "learning": {
         "learning_rate": 3e-4,
         "batch_size": 1024,
@@ -23,12 +24,26 @@ TUNED: dict[str, dict[str, Any]] = {
     "dqn": Q_LEARNING,
     "double-dqn": Q_LEARNING,
     "ppo": {
-        "steps": 15_000_000,
+        "steps": 8_000_000,
         "envs": 1024,
+        "shape": SMOOTH,
+        "evaluating": {"every": 1_000_000, "episodes": 400},
         "learning": {"learning_rate": 1e-3, "final_learning_rate": 0.0, "n_steps": 32, "n_epochs": 5},
     },
-    "sac": {"steps": 2_000_000, "envs": 256, "shape": WIDE, "evaluating": {"every": 250_000}},
-    "a2c": {"steps": 15_000_000, "envs": 512},
+    "sac": {
+        "steps": 1_500_000,
+        "envs": 256,
+        "shape": WIDE,
+        "evaluating": {"every": 150_000, "episodes": 400},
+        "learning": {"batch_size": 1024, "gradient_steps": 4, "learning_rate": 5e-4, "n_steps": 3},
+    },
+    "a2c": {
+        "steps": 10_000_000,
+        "envs": 512,
+        "shape": SMOOTH,
+        "evaluating": {"every": 1_000_000, "episodes": 400},
+        "learning": {"final_learning_rate": 0.0},
+    },
 }
 """found by trying, by algorithm"""
 
