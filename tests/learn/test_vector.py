@@ -100,7 +100,9 @@ def test_the_same_seed_gives_the_same_episodes_and_what_is_recalled_goes_on_the_
     one, two = Vector(task, 5, 7), Vector(task, 5, 7)
     np.testing.assert_array_equal(one.reset(seed=3)[0], two.reset(seed=3)[0])
     assert not np.array_equal(one.reset(seed=4)[0], two.reset(seed=3)[0])
-    one.reset(seed=3)
+    for _ in range(5):
+        one.step(np.ones((5, 3)))
+    np.testing.assert_array_equal(one.reset(seed=3)[0], two.reset(seed=3)[0])
     rng = np.random.default_rng(0)
     for _ in range(30):
         action = rng.uniform(-1, 1, (5, 3))

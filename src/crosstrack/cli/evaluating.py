@@ -21,7 +21,7 @@ def evaluate(
     policy: str,
     *,
     maps: int = 100,
-    seed: int = 0,
+    seed: int = 500_000,
     density: Words = None,
     family: Words = None,
     beside: Words = None,

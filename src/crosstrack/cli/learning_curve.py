@@ -58,7 +58,7 @@ class Curve:
         assert self.begun is not None
         flown, passed = progress.steps - self.begun[1], now - self.begun[0]
         rate = flown / passed if passed > 0 else 0.0
-        left = (self.asked.steps - progress.steps) / rate if rate > 0 else 0.0
+        left = max(0, self.asked.steps - progress.steps) / rate if rate > 0 else 0.0
         recent = progress.recent
         table = Table.grid(padding=(0, 2))
         table.add_row("decisions", f"{progress.steps:,} of {self.asked.steps:,}", f"{rate:,.0f} a second")

@@ -2,6 +2,8 @@
 
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -56,17 +58,14 @@ def train(
         "until": until,
         "minutes": minutes,
     }
-    from crosstrack.learn.training.reading import Asked, mapping, resumed, training
-
+    with extra():
+        from crosstrack.learn.training.reading import Asked, mapping, resumed, training
     told = Asked(algo, preset, config, fields, settings or ())
     folder = out or Path("runs") / "train" / f"{task}-{algo}"
     wanted = resumed(mapping(folder / CONFIG), task, told, str(folder / CONFIG)) if resume else training(task, told)
-    try:
+    with extra():
         from crosstrack.learn.training import checkpoint
         from crosstrack.learn.training.run import Run
-    except ModuleNotFoundError as error:
-        message = f"needs the package {error.name}: install crosstrack[rl]"
-        raise InputError("train", [Problem("", message)]) from error
     from rich.console import Console
 
     from crosstrack.cli.learning_curve import Curve
@@ -92,3 +91,17 @@ def train(
     )
     print(folder / POLICY)
     return DONE
+
+
+@contextmanager
+def extra() -> Iterator[None]:
+    """Say what to install where an import finds that it is missing.
+
+    Raises:
+        InputError: it is.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        message = f"needs the package {error.name}: pip install 'crosstrack[rl]'"
+        raise InputError("train", [Problem("", message)]) from None

@@ -13,8 +13,10 @@ from crosstrack.world.world import World
 
 WIDTH, LENGTH, END = 20.0, 40.0, 2.0
 """m, of the forest; from start to goal; beyond them"""
-HELD_OUT = 1_000_000
-"""Seeds below this are for evaluation alone."""
+MANY = 10_000
+"""seeds of one training, or of one measurement"""
+TESTED, HELD_OUT = 500_000, 1_000_000
+"""Seeds below HELD_OUT are never trained with; by those below TESTED trainings choose their best policy."""
 
 
 class Pool(NamedTuple):
@@ -32,6 +34,12 @@ class Pool(NamedTuple):
     """(arenas, 3) m"""
     bounds: Array
     """(arenas, 6) m, lowest and highest corner"""
+
+
+def seeds(seed: int, count: int, held_out: bool) -> range:
+    """Return the seeds of the worlds of a training, or of those held out: at `seed` times MANY."""
+    first = seed % (HELD_OUT // MANY) * MANY if held_out else HELD_OUT + seed % 1000 * MANY
+    return range(first, first + count)
 
 
 def forest(density: float, seed: int, spread: float = 0.0) -> Arena:

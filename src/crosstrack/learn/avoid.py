@@ -23,7 +23,7 @@ from crosstrack.learn.agents import (
     Agents,
     uniform,
 )
-from crosstrack.learn.arenas import HELD_OUT, Pool, arenas, pool
+from crosstrack.learn.arenas import Pool, arenas, pool, seeds
 from crosstrack.learn.episodes import HARD, away, estimated, lost, moved
 from crosstrack.learn.looking import around, look, nearest
 from crosstrack.learn.randomise import Randomise, draw, put
@@ -114,9 +114,8 @@ class Avoid:
 
     def field(self, seed: int, held_out: bool) -> "AvoidField":
         """Return the worlds, of a seed, with all that is compiled."""
-        first = 0 if held_out else HELD_OUT + seed % 1000 * 10_000
         spread = 0.0 if held_out else self.spread
-        return AvoidField(self, arenas(self.family, self.density, range(first, first + self.maps), spread))
+        return AvoidField(self, arenas(self.family, self.density, seeds(seed, self.maps, held_out), spread))
 
     def within(self, made: Sequence[Arena]) -> "AvoidField":
         """Return worlds that are given."""

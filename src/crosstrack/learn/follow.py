@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
 from crosstrack.learn.agents import ARRIVED, COLLIDED, FLYING, LEFT_BOUNDS, LOST_CONTROL, TIMED_OUT, Agents, uniform
-from crosstrack.learn.arenas import HELD_OUT
+from crosstrack.learn.arenas import seeds
 from crosstrack.learn.episodes import HARD, estimated, lost, moved
 from crosstrack.learn.randomise import Randomise, draw, put
 from crosstrack.learn.rewards import Rewards, score
@@ -70,8 +70,7 @@ class Follow:
 
     def field(self, seed: int, held_out: bool) -> "FollowField":
         """Return the routes, of a seed, with all that is compiled."""
-        first = 0 if held_out else HELD_OUT + seed % 1000 * 10_000
-        return FollowField(self, routes(range(first, first + self.maps)))
+        return FollowField(self, routes(seeds(seed, self.maps, held_out)))
 
 
 class Routes(NamedTuple):

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from crosstrack.learn.agents import ARRIVED, OUTCOMES
+from crosstrack.learn.arenas import MANY, TESTED
 from crosstrack.learn.vector import Vector
 from crosstrack.policy.policy import Policy
 
-TESTING, CHOOSING = 0, 50
+TESTING, CHOOSING = TESTED // MANY, 0
 """Which of the worlds held out a policy is measured in at the end, and which its training chooses the best by."""
 
 

@@ -15,7 +15,7 @@ from crosstrack.campaign.runner import Runner
 from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done, Task
 from crosstrack.errors import InputError, Problem
-from crosstrack.learn.arenas import HELD_OUT
+from crosstrack.learn.arenas import HELD_OUT, TESTED
 from crosstrack.learn.evaluation.missions import BESIDE, FOREST, POLICY, ROUTE, WORLDS, Where
 from crosstrack.learn.evaluation.score import Score, scores
 from crosstrack.learn.evaluation.trial import digest, trial_task
@@ -115,7 +115,7 @@ def setup(
     policy: str,
     *,
     maps: int = 100,
-    seed: int = 0,
+    seed: int = TESTED,
     densities: Sequence[float] | None = None,
     families: Sequence[str] | None = None,
     beside: Sequence[str] | None = None,
@@ -211,7 +211,7 @@ def evaluate(
     policy: str,
     *,
     maps: int = 100,
-    seed: int = 0,
+    seed: int = TESTED,
     densities: Sequence[float] | None = None,
     families: Sequence[str] | None = None,
     beside: Sequence[str] | None = None,

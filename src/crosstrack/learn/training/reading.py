@@ -125,22 +125,19 @@ def validated(kind: Any, value: Any, place: Place) -> tuple[Any, list[Problem]]:
 
 
 def complaints(error: ValidationError, place: Place) -> Iterator[Problem]:
-    """Say what pydantic found, unknown names left out."""
+    """Say what pydantic found, unknown names left out; a value that two alternatives refuse, once."""
+    found: dict[str, str] = {}
     for detail in error.errors(include_url=False):
-        if (
-            detail["type"] in {"unexpected_keyword_argument", "dataclass_type"}
-            and not place
-            and detail["loc"][:1] == ("learning",)
-        ):
-            continue
-        if detail["type"] == "unexpected_keyword_argument":
-            continue
-        where = show((*place, *detail["loc"]))
+        tags = ("literal", "constrained")
+        where = show((*place, *(part for part in detail["loc"] if not str(part).startswith(tags))))
         if detail["type"] == "missing":
-            yield Problem(where, "is required")
-            continue
-        wanted = WANTED.get(detail["type"], "").format(**detail.get("ctx", {})) or detail["msg"]
-        yield Problem(where, f"{wanted}, found {detail['input']!r:.60}")
+            found[where] = "is required"
+        elif detail["type"] != "unexpected_keyword_argument":
+            wanted = WANTED.get(detail["type"], "").format(**detail.get("ctx", {})) or detail["msg"]
+            before, _, _ = found.get(where, "").rpartition(", found ")
+            wanted = f"{before} or {wanted.removeprefix('must be ')}" if before else wanted
+            found[where] = f"{wanted}, found {detail['input']!r:.60}"
+    yield from (Problem(where, message) for where, message in found.items())
 
 
 def unknown(kind: type[Any], value: Any, place: Place = ()) -> Iterator[Problem]:

@@ -29,7 +29,10 @@ from crosstrack.policy.file import load, save
 from crosstrack.policy.policy import Policy
 
 CONFIG, EVALUATIONS, POLICY = "config.json", "evaluations.csv", "policy.npz"
+MEANS = {"success": "success", "reward": "r"}
+"""what is noted of the last episodes of a training, and its name in their accounts"""
 Q_LEARNING = {"dqn", "double-dqn"}
+"""algorithms whose actions are counted"""
 EPISODES = 500
 """of the last measurement"""
 
@@ -209,9 +212,6 @@ class Run:
         """Write a checkpoint."""
         checkpoint.write(self.folder, self.model, self.env, vars(self.progress))
         self.written = time.monotonic()
-
-
-MEANS = {"success": "success", "reward": "r"}
 
 
 class Listener(BaseCallback):
