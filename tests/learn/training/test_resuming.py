@@ -52,6 +52,7 @@ def test_a_training_that_is_killed_ends_with_the_same_weights(name: str, tmp_pat
             assert one[key].tobytes() == two[key].tobytes(), key
     first, second = load(whole / "policy.npz"), load(broken / "policy.npz")
     assert first.card.measured == second.card.measured
+    assert "--resume" not in second.card.training["command"]
     for key in first.arrays:
         assert first.arrays[key].tobytes() == second.arrays[key].tobytes()
 

@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import zipfile
 from collections import deque
 from pathlib import Path
 from typing import Any
@@ -68,13 +69,13 @@ def read(folder: Path) -> dict[str, Any]:
     """
     path = folder / NAME
     try:
-        with np.load(path, allow_pickle=False) as held:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as held:
             tree = json.loads(held[TREE].tobytes())
             found: dict[str, Any] = unpack(tree, held)
             return found
     except FileNotFoundError:
         raise InputError(str(path), [Problem("", "no such checkpoint: there is nothing to go on from")]) from None
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(str(path), [Problem("", f"is no checkpoint that can be read: {error}")]) from None
 
 

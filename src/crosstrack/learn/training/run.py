@@ -22,7 +22,7 @@ from crosstrack.learn.stable import StableVector
 from crosstrack.learn.training import checkpoint
 from crosstrack.learn.training.config import Training
 from crosstrack.learn.training.model import model_of
-from crosstrack.learn.training.reading import unknown, validated
+from crosstrack.learn.training.reading import MOST_BYTES, unknown, validated
 from crosstrack.learn.vector import Vector
 from crosstrack.policy.card import Observation
 from crosstrack.policy.file import load, save
@@ -60,6 +60,8 @@ class Progress:
     """evaluations"""
     recent: dict[str, float] = field(default_factory=dict)
     """mean over the last episodes of the training: success, reward"""
+    command: str = ""
+    """that began it"""
 
 
 Watch = Callable[[Progress], None]
@@ -75,7 +77,7 @@ class Run:
             InputError: options that the task does not have, or a network that does not fit it.
         """
         torch.set_num_threads(asked.threads)
-        self.asked, self.folder, self.command = asked, folder, command
+        self.asked, self.folder = asked, folder
         self.task = task_of(asked)
         self.env = StableVector(Vector(self.task, asked.envs, asked.seed))
         folder.mkdir(parents=True, exist_ok=True)
@@ -86,6 +88,7 @@ class Run:
         self.stopped = False
         if held is not None:
             self.progress = Progress(**held["document"])
+        self.progress.command = self.progress.command or command
         self.climb()
         if held is not None:
             checkpoint.restore(self.model, self.env, held)
@@ -149,13 +152,19 @@ class Run:
         progress, stages = self.progress, self.asked.curriculum
         while progress.stage < len(stages):
             stage = stages[progress.stage]
-            good = progress.recent.get("success", 0.0) >= stage.success
+            episodes = self.model.ep_info_buffer
+            known = episodes is not None and len(episodes) == episodes.maxlen
+            good = known and progress.recent.get("success", 0.0) >= stage.success
             if not (good or (stage.steps is not None and progress.steps >= stage.steps)):
                 break
             progress.stage += 1
             progress.recent = {}
-        level = stages[progress.stage].level if progress.stage < len(stages) else dict(self.asked.options)
-        if stages and self.env.env.task != replace(self.task, **level):
+            if episodes is not None:
+                episodes.clear()
+        level: dict[str, Any] = {name: getattr(self.task, name) for stage in stages for name in stage.level}
+        if progress.stage < len(stages):
+            level |= stages[progress.stage].level
+        if any(getattr(self.env.env.task, name) != value for name, value in level.items()):
             self.env.env.level(**level)
 
     def evaluate(self) -> bool:
@@ -192,7 +201,7 @@ class Run:
         """Return how the policy came about."""
         progress = self.progress
         return {
-            "command": self.command,
+            "command": progress.command,
             "seed": self.asked.seed,
             "steps": progress.steps,
             "seconds": round(progress.seconds, 1),
@@ -235,8 +244,16 @@ def task_of(asked: Training) -> Any:
     kind = tasks.find(asked.task)
     problems = list(unknown(kind, said, ("options",)))
     made, faults = validated(kind, said, ("options",))
+    for index, stage in enumerate(asked.curriculum):
+        place = ("curriculum", index, "level")
+        faults += [*unknown(kind, stage.level, place), *validated(kind, stage.level, place)[1]]
     if problems + faults:
         raise InputError("train", problems + faults)
+    told = getattr(asked.learning, "buffer_size", 0)
+    most = MOST_BYTES // (8 * sum(size for _, size in made.seen) + 16)
+    if told > most:
+        message = f"must be at most {most:,}, which take {MOST_BYTES:,} bytes; found {told:,}"
+        raise InputError("train", [Problem("learning.buffer_size", message)])
     q = asked.algo in Q_LEARNING
     if (made.action == "stick") != q and asked.algo not in {"ppo", "a2c"}:
         kinds = "chooses one of several actions: action must be stick" if q else "needs continuous actions, not stick"
