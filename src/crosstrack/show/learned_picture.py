@@ -51,7 +51,8 @@ def evaluation_picture(results: Sequence[Result], path: str | Path) -> None:
         Line2D([], [], color=INK, linestyle="", marker=marker, markersize=7, label=word)
         for word, marker in ENDS.items()
     ]
-    figure.supxlabel("east, m")
+    for axes in grid[-1]:
+        axes.set_xlabel("east, m")
     figure.supylabel("north, m")
     figure.legend(handles=[*trails, *ends], loc="outside lower center", ncols=len(trails) + len(ends), frameon=False)
     write(figure, Path(path))
