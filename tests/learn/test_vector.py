@@ -39,10 +39,10 @@ def ended(env: Vector, action: Any, most: int = 700) -> tuple[int, dict[str, Any
 
 @pytest.mark.parametrize("name", tasks.TASKS)
 def test_the_environments_are_sound(name: str) -> None:
-    options = {} if name == "hover" else {"maps": 4}
-    env = gymnasium.make(f"crosstrack/{name.title()}-v0", **options)  # type: ignore[arg-type]
+    options: dict[str, Any] = {} if name == "hover" else {"maps": 4}
+    env = gymnasium.make(f"crosstrack/{name.title()}-v0", **options)
     check_env(env.unwrapped, skip_render_check=True)
-    many = gymnasium.make_vec(f"crosstrack/{name.title()}-v0", num_envs=3, **options)  # type: ignore[arg-type]
+    many = gymnasium.make_vec(f"crosstrack/{name.title()}-v0", num_envs=3, **options)
     seen, _ = many.reset(seed=1)
     assert seen in many.observation_space
     assert many.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP

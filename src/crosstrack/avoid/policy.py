@@ -1,13 +1,10 @@
 """Avoid obstacles by a learned policy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from pathlib import PurePath
 from typing import Any
 
-from crosstrack.policy.file import ENDING, from_bytes, load
-from crosstrack.policy.flying import Asked, Pilot
+from crosstrack.policy.flying import Asked, Learned
 from crosstrack.protocols import Course, Surroundings
 from crosstrack.types import Command, NonNegative, Positive, State
 from crosstrack.vectors import norm
@@ -25,13 +22,14 @@ class PolicyMemory:
 
 
 @dataclass(frozen=True)
-class Policy:
+class Policy(Learned):
     """Fly what a policy learned to do with what is seen; the course says where to.
 
     The policy decides at the rate it was trained with. It is led to the point of the course `ahead` from the closest
     one. Within `handover` of its end, the command of the tracker is flown.
     """
 
+    task = "avoid"
     guards = False
 
     file: str = "avoid-ppo"
@@ -40,31 +38,6 @@ class Policy:
     """m, along the course, of the point that the policy is led to"""
     handover: NonNegative = 1.5
     """m, from the end of the course"""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The file, where it does not ship."""
-        return (self.file,) if PurePath(self.file).suffix.lower() == ENDING else ()
-
-    @cached_property
-    def pilot(self) -> Pilot:
-        """The policy.
-
-        Raises:
-            InputError: its file cannot be used.
-        """
-        return Pilot(self.file, load(self.file), "avoid")
-
-    def given(self, files: Mapping[str, bytes]) -> "Policy":
-        """Return this with its file read already.
-
-        Raises:
-            InputError: its file cannot be used.
-        """
-        copy = replace(self)
-        if self.file in files:
-            vars(copy)["pilot"] = Pilot(self.file, from_bytes(self.file, files[self.file]), "avoid")
-        return copy
 
     def blind(self, sensors: Sequence[Any]) -> str:
         """Say why it cannot see with some sensors; nothing where it can."""

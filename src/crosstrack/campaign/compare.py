@@ -7,12 +7,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from crosstrack.campaign.complete import Watch, complete
+from crosstrack.campaign.complete import Watch, finished
 from crosstrack.campaign.grid import fitting, grid
-from crosstrack.campaign.local import Local
 from crosstrack.campaign.ranking import Loss, Row, ranking
 from crosstrack.campaign.runner import Runner
-from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done, Task
 from crosstrack.campaign.words import OWN
 from crosstrack.mission.mission import Mission
@@ -100,8 +98,4 @@ def compare(
         KeyboardInterrupt: Ctrl-C; what finished is in the store.
     """
     tasks = grid(missions, trackers or fitting(missions), winds, seeds)
-    with runner or Local() as workers:
-        if store is None:
-            return compared(tasks, complete(tasks, workers, None, watch))
-        with Store(store) as kept:
-            return compared(tasks, complete(tasks, workers, kept, watch))
+    return compared(tasks, finished(tasks, runner, store, watch))

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from pathlib import Path
 
+from crosstrack.campaign.local import Local
 from crosstrack.campaign.runner import Runner
 from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done, Task
@@ -35,6 +37,24 @@ def complete(
             if watch:
                 watch(done)
     return [found[task.key] for task in tasks]
+
+
+def finished(
+    tasks: Sequence[Task], runner: Runner | None, store: str | Path | None, watch: Watch | None = None
+) -> list[Done]:
+    """Do all tasks, as `complete` does, and close what does them and what keeps them.
+
+    Args:
+        tasks: to do
+        runner: what does them; by default worker processes, one for every core
+        store: the file to keep results in; None for none
+        watch: is shown every new result
+    """
+    with runner or Local() as workers:
+        if store is None:
+            return complete(tasks, workers, None, watch)
+        with Store(store) as kept:
+            return complete(tasks, workers, kept, watch)
 
 
 def kept(tasks: Sequence[Task], store: Store) -> int:

@@ -9,7 +9,7 @@ from crosstrack.campaign.avoidance.bench import Benchmark, judged, tasks
 from crosstrack.campaign.avoidance.score import Score
 from crosstrack.campaign.runner import Runner
 from crosstrack.cli.campaigns import TABLE, flown, told
-from crosstrack.cli.comparing import show
+from crosstrack.cli.comparing import filled, show
 from crosstrack.cli.verbs import announce, made
 
 
@@ -59,16 +59,7 @@ def tell(found: Benchmark, page: Path, as_json: bool) -> None:
 
 
 def table(rows: Sequence[Score]) -> Any:
-    """Return scores as a table; columns in which there is nothing are left out."""
-    from rich.table import Table
-
+    """Return scores as a table."""
     from crosstrack.show.bench_table import HEADINGS, cells
 
-    shown = Table()
-    written = [cells(row) for row in rows]
-    filled = [k for k in range(len(HEADINGS)) if any(line[k] for line in written)]
-    for k in filled:
-        shown.add_column(HEADINGS[k], justify="left" if k < 2 else "right", overflow="fold")
-    for line in written:
-        shown.add_row(*(line[k] for k in filled))
-    return shown
+    return filled(HEADINGS, [cells(row) for row in rows])

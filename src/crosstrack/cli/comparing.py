@@ -169,3 +169,16 @@ def between(spread: Spread | None) -> str:
 def length(error: float) -> str:
     """Return an error in metres; one from capture on is infinite where the route was never captured."""
     return f"{error:.3f}" if error < float("inf") else "never"
+
+
+def filled(headings: Sequence[str], written: Sequence[Sequence[str]]) -> Any:
+    """Return lines of cells as a table; columns in which there is nothing are left out."""
+    from rich.table import Table
+
+    shown = Table()
+    kept = [k for k in range(len(headings)) if any(line[k] for line in written)]
+    for k in kept:
+        shown.add_column(headings[k], justify="left" if k < 2 else "right", overflow="fold")
+    for line in written:
+        shown.add_row(*(line[k] for k in kept))
+    return shown

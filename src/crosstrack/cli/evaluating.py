@@ -3,7 +3,7 @@
 import json as plain
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -11,7 +11,6 @@ from crosstrack.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from crosstrack.learn.evaluation.evaluate import Evaluation, Setup
-    from crosstrack.learn.evaluation.score import Score
 
 PICTURE, SCORES = "evaluation.png", "results.json"
 Words = Annotated[list[str] | None, Parameter(negative=())]
@@ -117,28 +116,12 @@ def numbers(words: Sequence[str] | None) -> tuple[list[float] | None, list[Probl
 
 def tell(found: "Evaluation", folder: Path, as_json: bool) -> None:
     """Print the scores."""
-    from crosstrack.cli.comparing import show
-    from crosstrack.show.learned_table import EXPLAINED
+    from crosstrack.cli.comparing import filled, show
+    from crosstrack.show.learned_table import EXPLAINED, HEADINGS, cells
 
     if as_json:
         print(plain.dumps(found.document(), indent=2))
         return
-    show([table(found.scores)])
+    show([filled(HEADINGS, [cells(row) for row in found.scores])])
     print(EXPLAINED)
     print(f"Flights: {folder / PICTURE}" if found.results else "No flight came back.")
-
-
-def table(rows: Sequence["Score"]) -> Any:
-    """Return scores as a table; columns in which there is nothing are left out."""
-    from rich.table import Table
-
-    from crosstrack.show.learned_table import HEADINGS, cells
-
-    shown = Table()
-    written = [cells(row) for row in rows]
-    filled = [k for k in range(len(HEADINGS)) if any(line[k] for line in written)]
-    for k in filled:
-        shown.add_column(HEADINGS[k], justify="left" if k < 2 else "right", overflow="fold")
-    for line in written:
-        shown.add_row(*(line[k] for k in filled))
-    return shown

@@ -1,14 +1,11 @@
 """Follow a path by a learned policy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from pathlib import PurePath
 
 import numpy as np
 
-from crosstrack.policy.file import ENDING, from_bytes, load
-from crosstrack.policy.flying import Asked, Pilot
+from crosstrack.policy.flying import Asked, Learned
 from crosstrack.policy.path import AHEAD, AIM, SIZE, write_points
 from crosstrack.protocols import Course, Sensor
 from crosstrack.types import Array, Command, Setpoint, State
@@ -31,41 +28,17 @@ class PolicyMemory:
 
 
 @dataclass(frozen=True)
-class Policy:
+class Policy(Learned):
     """Follow a path as a policy learned to, at the rate and up to the speed it was trained with.
 
     Over the last 2 m the end of the course is asked for as a position: the policy was not taught to stop.
     """
 
+    task = "follow"
     needs = ()
 
     file: str = "follow-ppo"
     """an .npz beside the mission, or the name alone of a policy that ships: see `crosstrack list`"""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The file, where it does not ship."""
-        return (self.file,) if PurePath(self.file).suffix.lower() == ENDING else ()
-
-    @cached_property
-    def pilot(self) -> Pilot:
-        """The policy.
-
-        Raises:
-            InputError: its file cannot be used.
-        """
-        return Pilot(self.file, load(self.file), "follow")
-
-    def given(self, files: Mapping[str, bytes]) -> "Policy":
-        """Return this with its file read already.
-
-        Raises:
-            InputError: its file cannot be used.
-        """
-        copy = replace(self)
-        if self.file in files:
-            vars(copy)["pilot"] = Pilot(self.file, from_bytes(self.file, files[self.file]), "follow")
-        return copy
 
     def blind(self, sensors: Sequence[Sensor]) -> str:
         """Say nothing: it needs no sensors."""

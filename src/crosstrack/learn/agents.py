@@ -48,7 +48,6 @@ AGENT = np.dtype(
         ("outcome", np.int64),
         ("flown", float),  # m
         ("least", float),  # m, clearance of the centre
-        ("squares", float),  # m², sum of squared errors
         ("rewards", float, len(TERMS)),  # each term so far
     ]
 )

@@ -24,10 +24,10 @@ from crosstrack.learn.agents import (
     uniform,
 )
 from crosstrack.learn.arenas import Pool, arenas, pool, seeds
-from crosstrack.learn.episodes import HARD, away, estimated, lost, moved
+from crosstrack.learn.episodes import HARD, away, drawn, estimated, lost, moved, rewarded
 from crosstrack.learn.looking import around, look, nearest
 from crosstrack.learn.randomise import Randomise, draw, put
-from crosstrack.learn.rewards import Rewards, score
+from crosstrack.learn.rewards import Rewards
 from crosstrack.policy import motion
 from crosstrack.policy.motion import write
 from crosstrack.sense.depth_camera import DepthCamera
@@ -135,8 +135,7 @@ class AvoidField:
 
     def begin(self, rows: Fleet, nominal: Fleet, agents: Agents, which: Indices, outer: float, in_turn: bool) -> None:
         """Begin episodes."""
-        first = -1 if not in_turn else 0
-        begin(rows, nominal, agents, which, self.pool, self.spread, self.task.speed, outer, first)
+        begin(rows, nominal, agents, which, self.pool, self.spread, self.task.speed, outer, in_turn)
 
     def observe(self, rows: Fleet, agents: Agents, which: Indices, out: Floats) -> None:
         """Write observations."""
@@ -161,7 +160,7 @@ def begin(
     spread: Array,
     speed: float,
     outer: float,
-    in_turn: int,
+    in_turn: bool,
 ) -> None:
     """Begin episodes: another arena, another body, at rest at the start, facing the goal.
 
@@ -174,13 +173,12 @@ def begin(
         spread: of `Randomise`
         speed: m/s, allowed
         outer: s, of which delays are multiples
-        in_turn: -1 to draw arenas at random; else each vehicle takes its own, by its index
+        in_turn: whether each vehicle takes its own arena, by its index, not one by chance
     """
     count = len(made.starts)
     for i in which:
         p, agent = rows[i], agents[i]
-        chosen = min(int(count * uniform(agent)), count - 1)
-        agent.arena = i % count if in_turn >= 0 else chosen
+        agent.arena = drawn(agent, i, count, in_turn)
         draw(p, nominal[0], agent, spread, outer)
         start, goal = made.starts[agent.arena], made.goals[agent.arena]
         put(p, agent, start, np.arctan2(goal[1] - start[1], goal[0] - start[0]))
@@ -257,19 +255,7 @@ def judge(rows: Fleet, agents: Agents, made: Pool, weights: Array, limits: Array
         remains = away(p, agent.goal)
         left = timeout - agent.steps * period
         agent.outcome = verdict(p, agent, made.bounds[agent.arena], remains, arrival, radius, left)
-        failed = COLLIDED <= agent.outcome <= LOST_CONTROL
-        reward[i] = score(
-            agent.rewards,
-            weights,
-            agent.potential - remains,
-            period,
-            agent.clearance - radius,
-            0.0,
-            agent.change,
-            agent.outcome == ARRIVED,
-            failed,
-        )
-        agent.potential = remains
+        reward[i] = rewarded(agent, weights, remains, period, agent.clearance - radius, 0.0)
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium import spaces
@@ -18,7 +18,7 @@ from crosstrack.policy.card import Card, Continuous, Discrete, Kind, Layer, Obse
 from crosstrack.policy.network import Floats
 from crosstrack.policy.policy import Policy
 
-ACTIVATIONS: dict[type[nn.Module], str] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
+ACTIVATIONS: dict[type[nn.Module], Literal["relu", "tanh"]] = {nn.ReLU: "relu", nn.Tanh: "tanh"}
 TRANSPARENT = (nn.Flatten, nn.Identity, FlattenExtractor)
 """modules that change no number"""
 
@@ -128,7 +128,7 @@ def dense(name: str, modules: nn.Module) -> Iterator[Drawn]:
     for index, module in enumerate(modules.children()):
         place = f"{name}.{index}"
         if type(module) in ACTIVATIONS and last is not None and last.layer.activation == "none":
-            last = Drawn(replace(last.layer, activation=ACTIVATIONS[type(module)]), last.parts)  # type: ignore[arg-type]
+            last = Drawn(replace(last.layer, activation=ACTIVATIONS[type(module)]), last.parts)
         elif isinstance(module, nn.Linear | nn.Conv2d):
             if last is not None:
                 yield last

@@ -9,11 +9,11 @@ from annotated_types import Ge, Le, Lt
 from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
-from crosstrack.learn.agents import ARRIVED, COLLIDED, FLYING, LEFT_BOUNDS, LOST_CONTROL, TIMED_OUT, Agents, uniform
+from crosstrack.learn.agents import Agents
 from crosstrack.learn.arenas import seeds
-from crosstrack.learn.episodes import HARD, estimated, lost, moved
+from crosstrack.learn.episodes import drawn, estimated, leashed, moved, rewarded
 from crosstrack.learn.randomise import Randomise, draw, put
-from crosstrack.learn.rewards import Rewards, score
+from crosstrack.learn.rewards import Rewards
 from crosstrack.path.rounded import rounded
 from crosstrack.policy import motion, path
 from crosstrack.policy.motion import write
@@ -114,7 +114,7 @@ class FollowField:
 
     def begin(self, rows: Fleet, nominal: Fleet, agents: Agents, which: Indices, outer: float, in_turn: bool) -> None:
         """Begin episodes."""
-        begin(rows, nominal, agents, which, self.routes, self.spread, self.task.speed, outer, 0 if in_turn else -1)
+        begin(rows, nominal, agents, which, self.routes, self.spread, self.task.speed, outer, in_turn)
 
     def observe(self, rows: Fleet, agents: Agents, which: Indices, out: Floats) -> None:
         """Write observations."""
@@ -135,14 +135,13 @@ def begin(
     spread: Array,
     speed: float,
     outer: float,
-    in_turn: int,
+    in_turn: bool,
 ) -> None:
     """Begin episodes at rest where routes begin, see `crosstrack.learn.avoid.begin`."""
     count = len(made.first) - 1
     for i in which:
         p, agent = rows[i], agents[i]
-        chosen = min(int(count * uniform(agent)), count - 1)
-        agent.arena = i % count if in_turn >= 0 else chosen
+        agent.arena = drawn(agent, i, count, in_turn)
         draw(p, nominal[0], agent, spread, outer)
         first, end = made.first[agent.arena], made.first[agent.arena + 1]
         start, after = made.points[first], made.points[first + 1]
@@ -217,23 +216,6 @@ def judge(rows: Fleet, agents: Agents, made: Routes, weights: Array, limits: Arr
         p, agent = rows[i], agents[i]
         moved(p, agent)
         agent.progress, error = closest(made, agent.arena, agent.progress, p.state)
-        agent.squares += error * error
         remains = SPACING * (made.first[agent.arena + 1] - 1 - made.first[agent.arena]) - agent.progress
-        agent.outcome = FLYING
-        if lost(p):
-            agent.outcome = LOST_CONTROL
-        elif p.impact > HARD:
-            agent.outcome = COLLIDED
-        elif error > leash:
-            agent.outcome = LEFT_BOUNDS
-        elif remains < END:
-            agent.outcome = ARRIVED
-        elif agent.steps * period > timeout - 1e-9:
-            agent.outcome = TIMED_OUT
-        failed = COLLIDED <= agent.outcome <= LOST_CONTROL
-        there = agent.outcome == ARRIVED
-        closer = agent.potential - remains
-        reward[i] = score(
-            agent.rewards, weights, closer, period, math.inf, min(error, leash), agent.change, there, failed
-        )
-        agent.potential = remains
+        agent.outcome = leashed(p, error, leash, remains < END, timeout - agent.steps * period)
+        reward[i] = rewarded(agent, weights, remains, period, math.inf, min(error, leash))

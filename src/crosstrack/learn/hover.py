@@ -9,10 +9,10 @@ from annotated_types import Ge, Lt
 from numpy.typing import NDArray
 
 from crosstrack.compiled import compiled
-from crosstrack.learn.agents import ARRIVED, COLLIDED, FLYING, LEFT_BOUNDS, LOST_CONTROL, TIMED_OUT, Agents, between
-from crosstrack.learn.episodes import HARD, away, estimated, lost, moved
+from crosstrack.learn.agents import Agents, between
+from crosstrack.learn.episodes import away, estimated, leashed, moved, rewarded
 from crosstrack.learn.randomise import Randomise, draw, put
-from crosstrack.learn.rewards import Rewards, score
+from crosstrack.learn.rewards import Rewards
 from crosstrack.policy import motion
 from crosstrack.policy.motion import write
 from crosstrack.policy.path import write_points
@@ -143,23 +143,6 @@ def judge(rows: Fleet, agents: Agents, weights: Array, limits: Array, reward: Ar
         p, agent = rows[i], agents[i]
         moved(p, agent)
         error = away(p, agent.goal)
-        agent.squares += error * error
         agent.progress = agent.progress + period if error < near else 0.0
-        agent.outcome = FLYING
-        if lost(p):
-            agent.outcome = LOST_CONTROL
-        elif p.impact > HARD:
-            agent.outcome = COLLIDED
-        elif error > leash:
-            agent.outcome = LEFT_BOUNDS
-        elif agent.progress > hold - 1e-9:
-            agent.outcome = ARRIVED
-        elif agent.steps * period > timeout - 1e-9:
-            agent.outcome = TIMED_OUT
-        failed = COLLIDED <= agent.outcome <= LOST_CONTROL
-        there = agent.outcome == ARRIVED
-        closer = agent.potential - error
-        reward[i] = score(
-            agent.rewards, weights, closer, period, math.inf, min(error, leash), agent.change, there, failed
-        )
-        agent.potential = error
+        agent.outcome = leashed(p, error, leash, agent.progress > hold - 1e-9, timeout - agent.steps * period)
+        reward[i] = rewarded(agent, weights, error, period, math.inf, min(error, leash))

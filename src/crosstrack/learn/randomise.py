@@ -99,7 +99,7 @@ def put(p: Fleet, agent: Agents, position: Array, yaw: float) -> None:
         agent.action[k] = 0.0
     for k in range(6):
         p.error[k] = 0.0
-    agent.steps, agent.outcome, agent.flown, agent.squares, agent.change = 0, 0, 0.0, 0.0, 0.0
+    agent.steps, agent.outcome, agent.flown, agent.change = 0, 0, 0.0, 0.0
     agent.least = agent.clearance = math.inf
     for k in range(agent.rewards.shape[0]):
         agent.rewards[k] = 0.0

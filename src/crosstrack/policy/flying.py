@@ -1,23 +1,23 @@
 """A policy in flight: from what a vehicle knows of itself and has seen to a command."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from pathlib import PurePath
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from crosstrack.errors import InputError, Problem
 from crosstrack.policy import motion, path
 from crosstrack.policy.action import KINDS, MOTION_LEVEL, steer
+from crosstrack.policy.file import ENDING, from_bytes, load
 from crosstrack.policy.network import Floats, Memory
 from crosstrack.policy.policy import Policy
 from crosstrack.registry import find
 from crosstrack.types import Array, AttitudeSetpoint, Command, Scan, Setpoint, State
 
-TASKS = ("avoid", "follow")
-"""Tasks whose policies fly missions."""
 NEEDED = ("speed", "period", "action")
 """Options that must be on the card of such a policy."""
 
@@ -142,3 +142,40 @@ class Pilot:
         else:
             told = AttitudeSetpoint(command[:4].copy(), float(command[4]))
         return replace(memory, command=told, due=memory.due + self.period, asked=asked, network=network)
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A part of a mission that a policy flies."""
+
+    task: ClassVar[str]
+    """that the policy must be trained for"""
+
+    file: str
+    """an .npz beside the mission, or the name alone of a policy that ships"""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The file, where it does not ship."""
+        return (self.file,) if PurePath(self.file).suffix.lower() == ENDING else ()
+
+    @cached_property
+    def pilot(self) -> Pilot:
+        """The policy.
+
+        Raises:
+            InputError: its file cannot be used.
+        """
+        return Pilot(self.file, load(self.file), self.task)
+
+    def given(self, files: Mapping[str, bytes]) -> Self:
+        """Return this with its file read already.
+
+        Raises:
+            InputError: its file cannot be used.
+        """
+        if self.file not in files:
+            return self
+        copy = replace(self)
+        vars(copy)["pilot"] = Pilot(self.file, from_bytes(self.file, files[self.file]), self.task)
+        return copy

@@ -10,11 +10,9 @@ from crosstrack.campaign.avoidance.contestants import CONTESTANTS, contestants
 from crosstrack.campaign.avoidance.families import families
 from crosstrack.campaign.avoidance.score import Score, score, scores, succeeded, time_ratio
 from crosstrack.campaign.avoidance.trial import trial_task
-from crosstrack.campaign.complete import Watch, complete
-from crosstrack.campaign.local import Local
+from crosstrack.campaign.complete import Watch, finished
 from crosstrack.campaign.ranking import Loss
 from crosstrack.campaign.runner import Runner
-from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done, Task
 from crosstrack.errors import InputError, Problem
 
@@ -151,8 +149,4 @@ def bench(
         KeyboardInterrupt: Ctrl-C; what finished is in the store.
     """
     asked = tasks(families, contestants, maps, seed)
-    with runner or Local() as workers:
-        if store is None:
-            return judged(asked, complete(asked, workers, None, watch))
-        with Store(store) as kept:
-            return judged(asked, complete(asked, workers, kept, watch))
+    return judged(asked, finished(asked, runner, store, watch))

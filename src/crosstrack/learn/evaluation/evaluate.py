@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from crosstrack.campaign.avoidance.bench import MOST
-from crosstrack.campaign.complete import Watch, complete
-from crosstrack.campaign.local import Local
+from crosstrack.campaign.complete import Watch, finished
 from crosstrack.campaign.ranking import Loss
 from crosstrack.campaign.runner import Runner
-from crosstrack.campaign.store import Store
 from crosstrack.campaign.task import Done, Task
 from crosstrack.errors import InputError, Problem
 from crosstrack.learn.arenas import HELD_OUT, TESTED
@@ -238,8 +236,4 @@ def evaluate(
     """
     said = setup(policy, maps=maps, seed=seed, densities=densities, families=families, beside=beside)
     asked = said.tasks()
-    with runner or Local() as workers:
-        if store is None:
-            return said.judged(asked, complete(asked, workers, None, watch))
-        with Store(store) as kept:
-            return said.judged(asked, complete(asked, workers, kept, watch))
+    return said.judged(asked, finished(asked, runner, store, watch))

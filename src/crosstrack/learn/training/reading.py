@@ -215,8 +215,10 @@ def merged(base: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     found = dict(base)
     for name, value in above.items():
         under = found.get(name)
-        joined = isinstance(under, Mapping) and isinstance(value, Mapping)
-        found[name] = merged(under, value) if joined else value  # type: ignore[arg-type]  # both are mappings
+        if isinstance(under, Mapping) and isinstance(value, Mapping):
+            found[name] = merged(under, value)
+        else:
+            found[name] = value
     return found
 
 

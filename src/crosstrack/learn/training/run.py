@@ -49,7 +49,6 @@ class Progress:
     """decisions"""
     seconds: float = 0.0
     """that it has taken, over all its parts"""
-    updates: int = 0
     stage: int = 0
     """of the curriculum"""
     next_evaluation: int = 0
@@ -84,7 +83,6 @@ class Run:
         self.model = model_of(asked, self.task, self.env, folder / "tensorboard")
         self.range = Range(self.task, asked.evaluating.episodes, CHOOSING)
         self.progress = Progress(next_evaluation=asked.evaluating.every)
-        self.policy: Policy | None = None
         self.stopped = False
         if held is not None:
             self.progress = Progress(**held["document"])
@@ -126,7 +124,7 @@ class Run:
     def updated(self, watch: Watch) -> None:
         """Look after a training after each update."""
         progress, asked = self.progress, self.asked
-        progress.steps, progress.updates = self.model.num_timesteps, progress.updates + 1
+        progress.steps = self.model.num_timesteps
         progress.seconds = self.before + time.monotonic() - self.begun
         self.recall()
         enough = self.stopped
@@ -170,7 +168,7 @@ class Run:
     def evaluate(self) -> bool:
         """Measure the policy as it is; keep it where it is the best; return whether it is good enough to end."""
         progress = self.progress
-        policy = self.exported({})
+        policy = self.exported()
         found = self.range.measure(policy)
         progress.history.append({"steps": progress.steps, "seconds": round(progress.seconds, 1), **found.document()})
         write_history(self.folder / EVALUATIONS, progress.history)
@@ -181,8 +179,8 @@ class Run:
             save(policy, self.folder / POLICY)
         return self.asked.until is not None and found.success >= self.asked.until
 
-    def exported(self, measured: dict[str, Any]) -> Policy:
-        """Return the policy as it is."""
+    def exported(self) -> Policy:
+        """Return the policy as it is, not measured yet."""
         task, asked = self.task, self.asked
         seen = tuple(task.seen)
         drawn = getattr(task, "picture", None) if asked.network == "cnn" else None
@@ -194,7 +192,7 @@ class Run:
             algorithm=asked.algo,
             network=asked.network,
             training=self.account(),
-            measured=measured,
+            measured={},
         )
 
     def account(self) -> dict[str, Any]:
