@@ -1,9 +1,9 @@
 """One decision, from the scan to the command: `python -m benchmarks.decision`.
 
 A lidar of 16 x 900 beams flies at 3 m/s through forests of 40 x 20 x 3 m that the vehicle was not told of. Each
-decision that has a scan is timed as it is flown, by `flight/pilot.py`: the scan into the local map, what moves, what
-the log keeps, whether the course is still good, the tracker, the avoiders. The scan itself and new plans are not in it.
-Times are processor time of the thread.
+decision that has a scan is timed as it is flown, by `flight/pilot.py`: the scan into the local map, what moves, whether
+the course is still good, the tracker, the avoiders. The scan itself and new plans are not in it. Times are processor
+time of the thread.
 """
 
 import time

@@ -310,10 +310,12 @@ def test_no_pilot_hits_anything(worlds: dict[str, World], world: str, pilot: str
         ("room", "straight_at_it", 128),
         ("forest", "pushing", 228),
         ("forest", "straight_at_it", 147),
+        ("forest", "fast_anywhere", 309),
+        ("room", "straight_at_it", 322),
     ],
 )
 def test_the_hardest_approaches_are_survived(worlds: dict[str, World], world: str, pilot: str, number: int) -> None:
-    """Climbing to a ceiling, past a beam, and between trunks."""
+    """Climbing to a ceiling, past a beam, between trunks, and with rotors that hardly turn."""
     assert wrong(worlds, world, pilot, range(number, number + 1), 3.0) == {}
 
 

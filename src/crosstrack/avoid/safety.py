@@ -15,7 +15,7 @@ from crosstrack.avoid.safety_stopping import Escape, Stop, way_to_rest
 from crosstrack.avoid.safety_way import Block, Room, first_block, least_clearance, planes_of
 from crosstrack.errors import InputError, Problem
 from crosstrack.protocols import Course, Surroundings
-from crosstrack.types import Array, Command, NonNegative, Setpoint, State, unset
+from crosstrack.types import GRAVITY, Array, Command, NonNegative, Setpoint, State, unset
 
 BRAKE = Escape(np.zeros(3), 0.0)
 TRIES = 4
@@ -26,6 +26,9 @@ SLOW = 0.85
 """of the response time, by which a vehicle may begin to brake later than expected"""
 WARY = 1.15
 """the same, for a command to pass after one that did not: so that passing and braking do not alternate"""
+LIGHT = 1.0
+"""of the response time, more by so much where a command asks for no thrust at all: rotors that hardly turn have little
+torque to turn the vehicle back"""
 EVADE = 0.7
 """of the acceleration counted on, for turning away: a turn is known less well than braking"""
 HARD = 2.5
@@ -113,6 +116,12 @@ class Safety:
         return decision.made(command)
 
 
+def lightness(asked: Array) -> float:
+    """Return by what share of its weight the thrust for an acceleration (3,) m/s² falls short of it."""
+    x, y, z = asked.tolist()
+    return max(0.0, 1.0 - math.hypot(x, y, z + GRAVITY) / GRAVITY)
+
+
 def noticed(memory: SafetyMemory, around: Surroundings) -> SafetyMemory:
     """Return the memory with what the latest scans say of how far and how often is seen."""
     if not around.scans:
@@ -188,9 +197,9 @@ class Decision:
 
         Args:
             asked: (3,) m/s²
-            slow: of the response time, for which the command goes on acting
+            slow: of the response time, for which the command goes on acting, at least
         """
-        able, extra = self.memory.counted, slow * self.memory.full.response
+        able, extra = self.memory.counted, (slow + LIGHT * lightness(asked)) * self.memory.full.response
         block = self.blocked(self.way(asked, BRAKE, able, extra))
         if block is None:
             return BRAKE, None

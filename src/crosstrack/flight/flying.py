@@ -11,11 +11,12 @@ from crosstrack.errors import LinkLost, Unreachable
 from crosstrack.flight.effort import NO_EFFORT, effort
 from crosstrack.flight.flight import Flight, flight_of
 from crosstrack.flight.judge import Judge
-from crosstrack.flight.observer import Observer, Sample
+from crosstrack.flight.observer import NOTHING, Observer, Sample
+from crosstrack.flight.perception import hits
 from crosstrack.flight.pilot import Pilot
 from crosstrack.flight.plan import Plan
 from crosstrack.protocols import Session
-from crosstrack.types import AttitudeSetpoint, Command, Others, Outcome, RateSetpoint, Setpoint, State
+from crosstrack.types import Array, AttitudeSetpoint, Command, Others, Outcome, RateSetpoint, Setpoint, State
 
 OPEN = Setpoint()
 """all left to the vehicle"""
@@ -39,6 +40,7 @@ class Flying:
         self.outcome: Outcome | None = None
         self.rows: list[Sample] = []
         self.command: Command = OPEN
+        self.seen: Array = NOTHING
         self.clearance = math.inf
         self.began = time.perf_counter()
         self.decisions: list[float] = []
@@ -101,6 +103,7 @@ class Flying:
             self.command = self.pilot.decide(self.estimate, scans, vehicles(others))
             planned, self.planning = self.planning, self.pilot.navigator.planning_time
             self.decisions.append(time.perf_counter() - began - (self.planning - planned))
+            self.seen = hits(scans, self.estimate)
             if self.pilot.replanned is not None:
                 self.judge.renew(self.pilot.navigator.course, self.now)
 
@@ -164,7 +167,7 @@ class Flying:
             clearance=self.clearance,
             separation=separation,
             interventions=float(pilot.interventions),
-            seen=pilot.seen,
+            seen=self.seen,
             course=pilot.replanned,
         )
 

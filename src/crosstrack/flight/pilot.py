@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from crosstrack.flight.navigation import Navigator
-from crosstrack.flight.observer import NOTHING
-from crosstrack.flight.perception import Perception, hits
+from crosstrack.flight.perception import Perception
 from crosstrack.flight.plan import Plan
 from crosstrack.protocols import Surroundings
 from crosstrack.types import ALONE, Array, Command, Others, Scan, Setpoint, State
@@ -26,7 +25,6 @@ class Pilot:
         around = self.perception.look(state, (), ALONE)
         self.memories: list[Any] = [avoider.start(plan.course, around, state) for avoider in plan.avoiders]
         self.interventions = 0
-        self.seen: Array = NOTHING
         self.replanned: Array | None = None
 
     def decide(self, state: State, scans: Sequence[Scan], vehicles: Others) -> Command:
@@ -41,7 +39,6 @@ class Pilot:
             Unreachable: there is no way to the goal.
         """
         around = self.perception.look(state, scans, vehicles)
-        self.seen = hits(scans, state)
         self.renew(state, around)
         command, self.tracking = self.plan.tracker.step(
             self.tracking, self.navigator.course, state, self.plan.scenario.period

@@ -33,6 +33,8 @@ MOST_HITS = 4
 """hits that a point is the mean of, at most: later ones count for more, so that it stays on the side last seen"""
 MOST_TRUST = 3
 """scans in a row that must see through a point before it goes"""
+FORGOTTEN = 256
+"""blocks left by the window that are emptied with a scan, or a quarter of them where these are more"""
 
 OUTSIDE, FULL = -1, -2
 """instead of a row: a place is outside the window, or there is no room for another point"""
@@ -46,7 +48,8 @@ class Blocks(NamedTuple):
     window: Integers
     """(4,) lowest coarse cube of the window, and how many there are along each axis"""
     pool: Integers
-    """(3,) blocks that were ever taken, the first of those given back or -1, and how many points there are"""
+    """(5,) blocks that were ever taken, the first of those given back or -1, how many points there are, the first of
+    the blocks that the window has left or -1, and how many these are"""
     parts: NDArray[np.int32]
     """(coarse cubes, 64) the block in each part of a coarse cube, -1 for none"""
     active: NDArray[np.int32]
@@ -54,7 +57,7 @@ class Blocks(NamedTuple):
     place: Integers
     """(blocks, 3) in blocks from the origin of the world"""
     home: Integers
-    """(blocks,) where `parts` holds each; -1 - (the next one given back or -1) for one given back"""
+    """(blocks,) where `parts` holds each; -2 - (the next such block or -1) for one given back or left"""
     filled: NDArray[np.int32]
     """(blocks,) points in each"""
     members: NDArray[np.int32]
@@ -77,7 +80,7 @@ def empty(cell: float, cubes: int, blocks: int) -> Blocks:
     return Blocks(
         cell=cell,
         window=np.array([0, 0, 0, cubes]),
-        pool=np.array([0, -1, 0]),
+        pool=np.array([0, -1, 0, -1, 0]),
         parts=np.full((cubes**3, VOXELS), -1, dtype=np.int32),
         active=np.zeros(cubes**3, dtype=np.int32),
         place=np.zeros((blocks, 3), dtype=np.int64),
@@ -130,7 +133,7 @@ def take(blocks: Blocks, cube: int, part: int, place: Cell) -> int:
     pool = blocks.pool
     if pool[1] >= 0:
         b = pool[1]
-        pool[1] = -1 - blocks.home[b]
+        pool[1] = -2 - blocks.home[b]
     elif pool[0] < len(blocks.filled):
         b = pool[0]
         pool[0] += 1
@@ -146,12 +149,24 @@ def take(blocks: Blocks, cube: int, part: int, place: Cell) -> int:
 @compiled
 def give_back(blocks: Blocks, b: int) -> None:
     """Empty a block and give it back to the pool."""
-    for p in range(blocks.filled[b] - 1, -1, -1):
-        remove(blocks, b, p)
+    unlink(blocks, b)
+    drain(blocks, b)
+
+
+@compiled
+def unlink(blocks: Blocks, b: int) -> None:
+    """Have a block be found no more."""
     cube, part = blocks.home[b] // VOXELS, blocks.home[b] % VOXELS
     blocks.parts[cube, part] = -1
     blocks.active[cube] -= 1
-    blocks.home[b] = -1 - blocks.pool[1]
+
+
+@compiled
+def drain(blocks: Blocks, b: int) -> None:
+    """Empty a block that is found no more, and put it with those given back."""
+    for p in range(blocks.filled[b] - 1, -1, -1):
+        remove(blocks, b, p)
+    blocks.home[b] = -2 - blocks.pool[1]
     blocks.pool[1] = b
 
 
@@ -215,21 +230,35 @@ def row_at(blocks: Blocks, window: Frame, x: float, y: float, z: float) -> int:
 
 @compiled
 def move(blocks: Blocks, x: float, y: float, z: float) -> None:
-    """Move the window so that a point (m) is in its middle coarse cube; what falls out of it is forgotten."""
-    window, edge = blocks.window, blocks.cell * SIDE
+    """Move the window so that a point (m) is in its middle coarse cube; what falls out of it is found no more."""
+    window, edge, pool = blocks.window, blocks.cell * SIDE, blocks.pool
     half = window[3] // 2
     i, j, k = int(np.floor(x / edge)) - half, int(np.floor(y / edge)) - half, int(np.floor(z / edge)) - half
     if i == window[0] and j == window[1] and k == window[2]:
         return
     window[0], window[1], window[2] = i, j, k
     now = frame(blocks)
-    for b in range(blocks.pool[0]):
-        if blocks.filled[b] > 0:
+    for b in range(pool[0]):
+        if blocks.home[b] >= 0:
             place = blocks.place
             if coarse(now, place[b, 0] >> 2, place[b, 1] >> 2, place[b, 2] >> 2) < 0:
-                give_back(blocks, b)
+                unlink(blocks, b)
+                blocks.home[b] = -2 - pool[3]
+                pool[3], pool[4] = b, pool[4] + 1
+
+
+@compiled
+def forget(blocks: Blocks) -> None:
+    """Take away some of the points that the window has left: all at once would take longer than a decision may."""
+    pool = blocks.pool
+    for _ in range(max(min(pool[4], FORGOTTEN), pool[4] // 4)):
+        b = pool[3]
+        pool[3], pool[4] = -2 - blocks.home[b], pool[4] - 1
+        drain(blocks, b)
 
 
 def gathered(blocks: Blocks) -> Array:
-    """Return all points (n, 3), m."""
-    return blocks.points[: blocks.pool[2], :3].astype(float)
+    """Return all points (n, 3) of the window, m."""
+    count = blocks.pool[2]
+    inside = blocks.home[blocks.owner[:count] // VOXELS] >= 0
+    return blocks.points[:count, :3][inside].astype(float)

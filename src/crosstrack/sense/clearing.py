@@ -4,21 +4,28 @@ A point goes when rays went through it: the ray nearest to it measured more than
 eight around that ray. Where a surface is seen at a shallow angle, or ends, one of these is shorter, so that it is not
 worn away; the ground is no such surface.
 
-All points are looked up, some thousand at once, in loops without branches: of a hundred thousand a few dozen are worn.
+Points nearby are looked up with every scan, those farther away in turn, some thousand at once, in loops without
+branches: of a hundred thousand a few dozen are worn.
 """
+
+import math
 
 import numpy as np
 
 from crosstrack.compiled import compiled
-from crosstrack.sense.blocks import VOXELS, Blocks, give_back, remove
+from crosstrack.sense.blocks import VOXELS, Blocks, Integers, give_back, remove
 from crosstrack.sense.pose import Turn, entries, turned_to
-from crosstrack.sense.range_image import RangeImage, nearest_rays, sights
+from crosstrack.sense.range_image import RangeImage, Singles, nearest_rays, sights
 from crosstrack.types import Array
 
 BESIDE = 0.6
 """voxels, how far from a point a ray may pass that goes through it"""
 BATCH = 2048
 """points that are looked up at once"""
+NEARBY = 5.0
+"""m, from the sensor, within which a point is looked up with every scan of it"""
+TURNS = 4
+"""scans of a sensor in which all others are"""
 
 
 @compiled
@@ -45,24 +52,54 @@ def clear(
         margin: m, beyond a point that a ray must have gone
     """
     turn, points, end, now = entries(turned), blocks.points, blocks.pool[2], np.float32(when[0])
+    lengths = np.zeros((len(free) + 1, 2), dtype=np.float32)  # the last for -1, no ray
+    for ray in range(len(free)):
+        lengths[ray, 0], lengths[ray, 1] = free[ray], shield[ray]
+    image.scans[0] += 1
     x, y, z = np.empty(BATCH, dtype=np.float32), np.empty(BATCH, dtype=np.float32), np.empty(BATCH, dtype=np.float32)
-    rays, worn = np.empty(BATCH, dtype=np.int32), np.empty(BATCH, dtype=np.int64)
+    rays, worn, rows = np.empty(BATCH, dtype=np.int32), np.empty(BATCH, dtype=np.int64), np.empty(BATCH, dtype=np.int64)
     ox, oy, oz = np.float32(origin[0]), np.float32(origin[1]), np.float32(origin[2])
     while end > 0:  # from the last on: what is removed is replaced by the last
-        count, found = min(end, BATCH), 0
-        end -= count
+        batch, found = (end - 1) // BATCH, 0
+        far = np.float32(NEARBY if (batch + image.scans[0]) % TURNS else math.inf)
+        count = within(points, batch * BATCH, end, ox, oy, oz, far, rows)
+        end = batch * BATCH
         for k in range(count):
-            x[k], y[k], z[k] = points[end + k, 0] - ox, points[end + k, 1] - oy, points[end + k, 2] - oz
+            row = rows[k]
+            x[k], y[k], z[k] = points[row, 0] - ox, points[row, 1] - oy, points[row, 2] - oz
         sights(image, turn, count, x, y, z)
         nearest_rays(image, count, x, y, rays)
         for k in range(count):
-            ray, far, seen = max(rays[k], 0), z[k], points[end + k, 3]
-            length = free[ray] if rays[k] >= 0 else 0.0
-            points[end + k, 3] = now if (length > far - margin) & (length < far + margin) else seen
+            ray = rays[k]
+            x[k], y[k] = lengths[ray, 0] - z[k], lengths[ray, 1] - z[k]
+        for k in range(count):
+            row = rows[k]
+            seen = points[row, 3]
+            points[row, 3] = now if abs(x[k]) < margin else seen
             worn[found] = k
-            found += (length >= far + margin) & (shield[ray] >= far + margin)
+            found += (x[k] >= margin) & (y[k] >= margin)
         for n in range(found - 1, -1, -1):
-            wear(blocks, end + worn[n], image.directions, rays[worn[n]], turn, origin, when)
+            wear(blocks, rows[worn[n]], image.directions, rays[worn[n]], turn, origin, when)
+
+
+@compiled
+def within(
+    points: Singles,
+    first: int,
+    end: int,
+    ox: np.float32,
+    oy: np.float32,
+    oz: np.float32,
+    most: np.float32,
+    out: Integers,
+) -> int:
+    """Set which rows of `points`, from `first` to before `end`, are nearer than `most` (m); return how many are."""
+    count = 0
+    for row in range(first, end):
+        x, y, z = points[row, 0] - ox, points[row, 1] - oy, points[row, 2] - oz
+        out[count] = row
+        count += x * x + y * y + z * z < most * most
+    return count
 
 
 @compiled
@@ -91,5 +128,5 @@ def wear(
     if worth[row, 1] <= 0:
         b, p = blocks.owner[row] // VOXELS, blocks.owner[row] % VOXELS
         remove(blocks, b, p)
-        if blocks.filled[b] == 0:
+        if blocks.filled[b] == 0 and blocks.home[b] >= 0:
             give_back(blocks, b)

@@ -8,7 +8,7 @@ import numpy as np
 from crosstrack.protocols import Field, Map, Sensor
 from crosstrack.sense import nearest_point
 from crosstrack.sense.beyond import assume, beyond
-from crosstrack.sense.blocks import SIDE, empty, gathered, grown, move
+from crosstrack.sense.blocks import SIDE, empty, forget, gathered, grown, move
 from crosstrack.sense.clearing import clear
 from crosstrack.sense.integrate import add_hits, free_lengths, off_ground
 from crosstrack.sense.point_field import lattice_distances
@@ -91,6 +91,7 @@ class LocalMap:
         turned = axes(state.attitude)
         origin = state.position + turned @ scan.origin
         move(self._blocks, *state.position.tolist())
+        forget(self._blocks)
         image = self._image(scan.directions, scan.rows)
         free = free_lengths(scan.ranges, scan.max_range)
         height = float(origin[2]) - self.ground

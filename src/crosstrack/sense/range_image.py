@@ -38,6 +38,8 @@ class RangeImage(NamedTuple):
     """texels/rad, around and up"""
     rows: int
     """of the picture that the rays form"""
+    scans: NDArray[np.int64]
+    """(1,) that were compared with what is held"""
 
 
 def image_of(directions: Array, rows: int) -> RangeImage:
@@ -52,7 +54,7 @@ def image_of(directions: Array, rows: int) -> RangeImage:
     start = (_before(bearing[0], -math.pi, scale[0]), _before(up[0], -math.pi / 2, scale[1]))
     rays = np.full((high + 2, around), -1, dtype=np.int32)
     rays[_texel(up, start[1], scale[1]), _texel(bearing, start[0], scale[0]) % around] = np.arange(len(directions))
-    return RangeImage(np.ascontiguousarray(directions), _spread(rays), start, scale, rows)
+    return RangeImage(np.ascontiguousarray(directions), _spread(rays), start, scale, rows, np.zeros(1, dtype=np.int64))
 
 
 def _step(steps: Array) -> float:
@@ -143,10 +145,11 @@ def least_around(values: Array, rows: int) -> Array:
     beside, out = np.empty(len(values)), np.empty(len(values))
     for i in range(rows):
         at = i * columns
-        for j in range(columns):
-            before = j - 1 if j > 0 else columns - 1
-            after = j + 1 if j < columns - 1 else 0
-            beside[at + j] = min(values[at + j], values[at + before], values[at + after])
+        last = at + columns - 1
+        for j in range(at + 1, last):
+            beside[j] = min(values[j - 1], values[j], values[j + 1])
+        beside[at] = min(values[last], values[at], values[min(at + 1, last)])
+        beside[last] = min(values[max(last - 1, at)], values[last], values[at])
     for i in range(rows):
         below, above = max(i - 1, 0) * columns, min(i + 1, rows - 1) * columns
         for j in range(columns):
