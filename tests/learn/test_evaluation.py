@@ -29,6 +29,7 @@ from crosstrack.policy.flying import Pilot
 from crosstrack.policy.policy import Policy
 from crosstrack.show.learned_picture import evaluation_picture, examples
 from crosstrack.show.learned_table import HEADINGS, cells
+from crosstrack.world.shapes import Cylinder
 
 EMPTY, DENSE = Where("forest", 0.0), Where("forest", 0.4)
 
@@ -172,8 +173,9 @@ def test_straight_ahead_collides_where_a_trunk_stands(file: str) -> None:
     found = fly(trial_task(file, digest(straight()), DENSE, 1, POLICY).payload)
     assert found["outcome"] == "collided"
     end = np.array(found["trace"]["position"][-1])[:2]
-    trunks = from_document(found["document"], {"straight.npz": Path(file).read_bytes()}).obstacles.shapes
-    gaps = [np.hypot(*(end - np.array(trunk.center))) - trunk.radius for trunk in trunks]  # type: ignore[union-attr]  # forests are cylinders
+    stands = from_document(found["document"], {"straight.npz": Path(file).read_bytes()}).obstacles.shapes
+    trunks = [one for one in stands if isinstance(one, Cylinder)]
+    gaps = [np.hypot(*(end - np.array(trunk.center))) - trunk.radius for trunk in trunks]
     assert min(gaps) == pytest.approx(found["summary"]["min_clearance_m"], abs=2e-3)
     assert min(gaps) < 0.2
 

@@ -31,11 +31,19 @@ TUNED: dict[str, dict[str, Any]] = {
         "learning": {"learning_rate": 1e-3, "final_learning_rate": 0.0, "n_steps": 32, "n_epochs": 5},
     },
     "sac": {
-        "steps": 1_500_000,
+        "steps": 1_800_000,
         "envs": 256,
         "shape": WIDE,
         "evaluating": {"every": 150_000, "episodes": 400},
-        "learning": {"batch_size": 1024, "gradient_steps": 4, "learning_rate": 5e-4, "n_steps": 3},
+        "learning": {
+            "learning_rate": 7e-4,
+            "final_learning_rate": 1e-4,
+            "batch_size": 256,
+            "gradient_steps": 4,
+            "buffer_size": 1_000_000,
+            "n_steps": 3,
+            "ent_coef": 0.003,
+        },
     },
     "a2c": {
         "steps": 10_000_000,
