@@ -33,8 +33,8 @@ MOST_HITS = 4
 """hits that a point is the mean of, at most: later ones count for more, so that it stays on the side last seen"""
 MOST_TRUST = 3
 """scans in a row that must see through a point before it goes"""
-FORGOTTEN = 256
-"""blocks left by the window that are emptied with a scan, or a quarter of them where these are more"""
+FORGOTTEN = 32
+"""blocks left by the window that are emptied with a scan, or an eighth of them where these are more"""
 
 OUTSIDE, FULL = -1, -2
 """instead of a row: a place is outside the window, or there is no room for another point"""
@@ -251,7 +251,7 @@ def move(blocks: Blocks, x: float, y: float, z: float) -> None:
 def forget(blocks: Blocks) -> None:
     """Take away some of the points that the window has left: all at once would take longer than a decision may."""
     pool = blocks.pool
-    for _ in range(max(min(pool[4], FORGOTTEN), pool[4] // 4)):
+    for _ in range(max(min(pool[4], FORGOTTEN), pool[4] // 8)):
         b = pool[3]
         pool[3], pool[4] = -2 - blocks.home[b], pool[4] - 1
         drain(blocks, b)

@@ -24,7 +24,7 @@ BATCH = 2048
 """points that are looked up at once"""
 NEARBY = 5.0
 """m, from the sensor, within which a point is looked up with every scan of it"""
-TURNS = 4
+TURNS = 5
 """scans of a sensor in which all others are"""
 
 
