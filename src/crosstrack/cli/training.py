@@ -39,7 +39,7 @@ def train(
         task: avoid, follow or hover
         algo: dqn, double-dqn, ppo, sac or a2c
         network: mlp, dueling, cnn or recurrent
-        preset: what to begin from: tuned, or article, the DQN of a tutorial
+        preset: what to begin from: tuned; staged, A2C that begins in an empty world; article, the DQN of a tutorial
         steps: decisions
         envs: vehicles that fly at once
         seed: of everything that chance decides
