@@ -18,6 +18,7 @@ TASKS = {
     "ppo": ["--set", "learning.n_steps=16", "--set", "learning.batch_size=512"],
     "a2c": [],
     "sac": ["--set", "learning.learning_starts=500", "--set", "learning.buffer_size=20000"],
+    "learned": ["--algo", "sac", "--set", "learning.ent_coef=auto", "--set", "learning.learning_starts=500"],
     "dqn": ["--set", "learning.learning_starts=500", "--set", "learning.buffer_size=20000"],
     "double-dqn": ["--network", "dueling", "--set", "learning.learning_starts=500", "--set", "learning.n_steps=1"],
     "recurrent": ["--algo", "ppo", "--network", "recurrent", "--set", "learning.n_steps=16"],
