@@ -32,7 +32,7 @@ SIDE = 16
 MOST_HITS = 4
 """hits that a point is the mean of, at most: later ones count for more, so that it stays on the side last seen"""
 MOST_TRUST = 3
-"""scans in a row that must see through a point before it goes"""
+"""scans compared with a point, in a row, that must see through it before it goes"""
 FORGOTTEN = 32
 """blocks left by the window that are emptied with a scan, or an eighth of them where these are more"""
 

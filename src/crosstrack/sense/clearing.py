@@ -128,5 +128,5 @@ def wear(
     if worth[row, 1] <= 0:
         b, p = blocks.owner[row] // VOXELS, blocks.owner[row] % VOXELS
         remove(blocks, b, p)
-        if blocks.filled[b] == 0 and blocks.home[b] >= 0:
+        if blocks.filled[b] == 0 and blocks.home[b] >= 0:  # what the window has left is given back as it is forgotten
             give_back(blocks, b)

@@ -85,9 +85,8 @@ def restore(model: BaseAlgorithm, env: StableVector, held: dict[str, Any]) -> No
     for name, value in held["counters"].items():
         setattr(model, name, value)
     for name, value in held["kept"].items():
-        if name == "log_ent_coef":
-            if value is not None:  # of SAC, where it is learned
-                model.log_ent_coef.data.copy_(value)
+        if name == "log_ent_coef" and value is not None:
+            model.log_ent_coef.data.copy_(value)  # of SAC, where it is learned
         elif name == "_last_lstm_states" and value is not None:
             states = type(model._last_lstm_states)  # of RecurrentPPO
             setattr(model, name, states(*(tuple(part) for part in value)))
